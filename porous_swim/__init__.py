@@ -1,0 +1,63 @@
+"""Microswimmers among colloids: capture, orbits, hops and transport in porous media.
+
+Lengths in swimmer half-lengths a, speeds in swimming speeds U, times in a/U. Names are loaded when they are
+first used: reading results starts neither Taichi nor a device.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported anywhere
+
+if TYPE_CHECKING:
+    from porous_swim import analysis
+    from porous_swim.analysis import theory
+    from porous_swim.engine.probe import contact_height, drift
+    from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+    from porous_swim.results import Results, load_results
+    from porous_swim.scene import Scene, load_scene
+    from porous_swim.simulation import Simulation, run
+
+__all__ = [
+    "DeviceError",
+    "PorousSwimError",
+    "Results",
+    "ResultsError",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "analysis",
+    "contact_height",
+    "drift",
+    "load_results",
+    "load_scene",
+    "run",
+    "theory",
+]
+
+_HOME = {
+    "errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
+    "results": ("Results", "load_results"),
+    "scene": ("Scene", "load_scene"),
+    "simulation": ("Simulation", "run"),
+    "engine.probe": ("contact_height", "drift"),
+}
+_MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "analysis":
+        return import_module("porous_swim.analysis")
+    if name == "theory":
+        return import_module("porous_swim.analysis.theory")
+    if name in _MODULE_OF:
+        return getattr(import_module(f"porous_swim.{_MODULE_OF[name]}"), name)
+    raise AttributeError(f"module 'porous_swim' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,21 @@
+"""Columns of a run's tables as numpy arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+
+
+def column(table: pa.Table, name: str) -> np.ndarray:
+    """One column, (n_rows,); null in a real column is NaN."""
+    return np.asarray(table.column(name).to_numpy())
+
+
+def vectors(table: pa.Table, *names: str) -> np.ndarray:
+    """Columns side by side, (n_rows, n_names)."""
+    return np.stack([column(table, name) for name in names], axis=1)
+
+
+def in_order(encounters: pa.Table) -> pa.Table:
+    """The encounters swimmer by swimmer, each in order of time (the order of equal times is kept)."""
+    return encounters.take(pa.array(np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))))

@@ -1,0 +1,176 @@
+"""Moves between encounters: hops to another colloid, returns to the same one, and the flights between.
+
+A colloid means the pair of colloid and periodic image. encounters = hops + returns + first ones: a
+swimmer's first encounter is neither.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from scipy.spatial import cKDTree
+
+from porous_swim.analysis.columns import column, in_order, vectors
+from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
+from porous_swim.analysis.survival import WaitingTimes, waiting_times
+from porous_swim.results import TableInfo
+
+
+@dataclass(frozen=True)
+class Moves:
+    """Moves from the end of one encounter to the start of the same swimmer's next one."""
+
+    swimmer: np.ndarray  # (n,)
+    from_colloid: np.ndarray  # (n,)
+    from_image: np.ndarray  # (n, 3)
+    to_colloid: np.ndarray  # (n,)
+    to_image: np.ndarray  # (n, 3)
+    end_time: np.ndarray  # (n,) a/U, of the encounter that is left
+    start_time: np.ndarray  # (n,) a/U, of the encounter that is entered
+    displacement: np.ndarray  # (n, 3) a, from exit to entry, unwrapped
+
+    def __len__(self) -> int:
+        """Number of moves."""
+        return len(self.swimmer)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time between the encounters, (n,), a/U; 0 for a direct hop."""
+        return self.start_time - self.end_time
+
+    def select(self, chosen: np.ndarray) -> Moves:
+        """The moves where the mask `chosen` (n,) holds."""
+        return Moves(**{name: values[chosen] for name, values in vars(self).items()})
+
+
+def moves(encounters: pa.Table) -> Moves:
+    """All moves, hops and returns alike, swimmer by swimmer in order of time."""
+    ordered = in_order(encounters)
+    swimmer = column(ordered, "swimmer")
+    colloid, image = column(ordered, "colloid"), vectors(ordered, "image_x", "image_y", "image_z")
+    last = np.flatnonzero(swimmer[1:] == swimmer[:-1])
+    following = last + 1
+    entry, exit_ = (
+        vectors(ordered, "entry_x", "entry_y", "entry_z"),
+        vectors(ordered, "exit_x", "exit_y", "exit_z"),
+    )
+    return Moves(
+        swimmer=swimmer[last],
+        from_colloid=colloid[last],
+        from_image=image[last],
+        to_colloid=colloid[following],
+        to_image=image[following],
+        end_time=column(ordered, "end_time")[last],
+        start_time=column(ordered, "start_time")[following],
+        displacement=entry[following] - exit_[last],
+    )
+
+
+def hops(encounters: pa.Table) -> Moves:
+    """Moves to a different colloid or to another image of the same one."""
+    every = moves(encounters)
+    return every.select(~_same_colloid(every))
+
+
+def returns(encounters: pa.Table) -> Moves:
+    """Moves back to the colloid that was left."""
+    every = moves(encounters)
+    return every.select(_same_colloid(every))
+
+
+def _same_colloid(every: Moves) -> np.ndarray:
+    return (every.from_colloid == every.to_colloid) & np.all(every.from_image == every.to_image, axis=1)
+
+
+def flights(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+    """Times from the end of an encounter to the swimmer's next one.
+
+    A flight under way at the end of the run is censored; the time from the release to the first encounter
+    is no flight. The table needs its `TableInfo`.
+    """
+    ordered = in_order(encounters)
+    swimmer, end = column(ordered, "swimmer"), column(ordered, "end_time")
+    until = np.full(len(end), TableInfo.of(encounters).last_time)
+    followed = np.append(swimmer[1:] == swimmer[:-1], False)[: len(end)]
+    until[followed] = column(ordered, "start_time")[1:][followed[:-1]]
+    left = ~column(ordered, "end_censored")
+    return waiting_times((until - end)[left], ended=followed[left], swimmer=swimmer[left], horizon=horizon)
+
+
+@dataclass(frozen=True)
+class HopStatistics:
+    """How often and how far swimmers hop; the swimmers are the independent samples."""
+
+    hop_rate: Estimate
+    """Hops per swimmer and time, U/a."""
+    return_rate: Estimate
+    """Returns per swimmer and time, U/a."""
+    time: Estimate
+    """Mean time of a hop, a/U. Hops that the run cut off are missing: `flights` takes them into account."""
+    length: Estimate
+    """Mean distance between the centres of the two colloids, a."""
+    displacement: Estimate
+    """Mean distance from exit to entry, a."""
+    nearest_share: Estimate
+    """Share of the hops that lead to a nearest neighbour of the colloid that was left."""
+
+
+def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
+    """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`."""
+    info = TableInfo.of(encounters)
+    every = moves(encounters)
+    same = _same_colloid(every)
+    hopped, returned = every.select(~same), every.select(same)
+    length = hop_lengths(hopped, colloids, box=info.box)
+    # Centres are kept in fixed point: neighbours of a lattice are at one distance only up to rounding.
+    nearest = length <= 1.0001 * _nearest_distances(colloids, box=info.box)[hopped.from_colloid]
+    swimmers = Swimmers.of(hopped.swimmer)
+    counts = swimmers.sums(np.ones(len(hopped)))
+
+    def mean(values: np.ndarray, unit: str) -> Estimate:
+        return Estimate(*ratio_of_sums(swimmers.sums(values), counts), len(hopped), 0, unit)
+
+    return HopStatistics(
+        hop_rate=_rate(hopped, info),
+        return_rate=_rate(returned, info),
+        time=mean(hopped.time, "a/U"),
+        length=mean(length, "a"),
+        displacement=mean(np.linalg.norm(hopped.displacement, axis=1), "a"),
+        nearest_share=mean(nearest, ""),
+    )
+
+
+def hop_lengths(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
+    """Distance between the centres of the two colloids of each move, (n,), a."""
+    centers = _centers(colloids)
+    unwrapped = (hopped.to_image - hopped.from_image) * np.asarray(box)
+    return np.linalg.norm(centers[hopped.to_colloid] - centers[hopped.from_colloid] + unwrapped, axis=1)
+
+
+def _rate(counted: Moves, info: TableInfo) -> Estimate:
+    if info.duration <= 0.0:
+        return Estimate(np.nan, np.nan, 0, 0, "U/a")
+    counts = Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))
+    value, error = mean_over_swimmers(counts / info.duration, n_swimmers=info.n_swimmers)
+    return Estimate(value, error, len(counted), 0, "U/a")
+
+
+def _centers(colloids: pa.Table) -> np.ndarray:
+    """Centres by colloid number, (n_colloids, 3); the rows may come in any order."""
+    return vectors(colloids, "x", "y", "z")[np.argsort(column(colloids, "colloid"))]
+
+
+def _nearest_distances(colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
+    """Distance from each centre to the nearest other one, periodic images included, (n_colloids,)."""
+    edges = np.asarray(box)
+    repeats = edges > 0.0
+    own_image = float(np.min(edges[repeats])) if repeats.any() else np.inf
+    centers = _centers(colloids)
+    if len(centers) < 2:
+        return np.full(len(centers), own_image)
+    centers[:, repeats] %= edges[repeats]
+    centers[:, repeats] = np.where(centers[:, repeats] < edges[repeats], centers[:, repeats], 0.0)
+    distance = np.asarray(cKDTree(centers, boxsize=edges).query(centers, k=[2])[0])
+    return np.minimum(distance[:, 0], own_image)

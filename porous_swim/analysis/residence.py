@@ -1,0 +1,101 @@
+"""How long swimmers stay: residence times, escape-pitch times, and the time spent bound and in contact.
+
+All are functions of the table of encounters. Times in a/U.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.columns import column, in_order
+from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
+from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes, survival_curve, waiting_times
+from porous_swim.results import TableInfo
+
+
+def residence_lengths(encounters: pa.Table) -> np.ndarray:
+    """Length of each encounter as far as it was seen, (n_encounters,), a/U."""
+    return column(encounters, "end_time") - column(encounters, "start_time")
+
+
+def residence_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+    """Residence (trapping) times: the lengths of the encounters, censored ones taken into account.
+
+    Encounters that were under way when the table starts add time to `mean` and stay out of the rest.
+    `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter.
+    """
+    return waiting_times(
+        residence_lengths(encounters),
+        ended=~column(encounters, "end_censored"),
+        swimmer=column(encounters, "swimmer"),
+        start_seen=~column(encounters, "start_censored"),
+        horizon=horizon,
+    )
+
+
+def residence_survival(encounters: pa.Table) -> SurvivalCurve:
+    """Probability that an encounter lasts longer than a time; only encounters whose start was seen."""
+    seen, ended = ~column(encounters, "start_censored"), ~column(encounters, "end_censored")
+    return survival_curve(residence_lengths(encounters)[seen], ended=ended[seen])
+
+
+def escape_pitch_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+    """Time from the start of an encounter until the pitch first exceeds `encounter.escape_pitch`.
+
+    Where it did not come, the sample is censored at the swimmer's next encounter or at the end of the run.
+    Encounters whose start was not seen are left out. The table needs its `TableInfo`.
+    """
+    ordered = in_order(encounters)
+    start, swimmer = column(ordered, "start_time"), column(ordered, "swimmer")
+    passage = column(ordered, "escape_pitch_time")
+    given_up = np.full(len(start), TableInfo.of(encounters).last_time)
+    followed = np.flatnonzero(swimmer[1:] == swimmer[:-1])
+    given_up[followed] = start[followed + 1]
+    came = ~np.isnan(passage)
+    length = np.where(came, passage, given_up) - start
+    seen = ~column(ordered, "start_censored")
+    return waiting_times(length[seen], ended=came[seen], swimmer=swimmer[seen], horizon=horizon)
+
+
+def bound_fraction(encounters: pa.Table) -> Estimate:
+    """Fraction of all swimmers' time spent in encounters, averaged over the run. Needs the `TableInfo`."""
+    return _time_fraction(encounters, residence_lengths(encounters))
+
+
+def contact_fraction(encounters: pa.Table) -> Estimate:
+    """Fraction of all swimmers' time spent in contact, averaged over the run. Needs the `TableInfo`."""
+    return _time_fraction(encounters, column(encounters, "contact_time"))
+
+
+def contact_fraction_of_encounters(encounters: pa.Table) -> Estimate:
+    """Fraction of the time in encounters that is spent in contact."""
+    swimmers = Swimmers.of(column(encounters, "swimmer"))
+    value, error = ratio_of_sums(
+        swimmers.sums(column(encounters, "contact_time")), swimmers.sums(residence_lengths(encounters))
+    )
+    return Estimate(value, error, len(encounters), int(column(encounters, "end_censored").sum()), "")
+
+
+def bound_fraction_at(encounters: pa.Table, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fraction of swimmers in an encounter at each of the times (n,), and its standard error (n,).
+
+    An encounter covers its start and not its end, except that one under way at the end of the run covers
+    that too. Needs the `TableInfo`.
+    """
+    n = TableInfo.of(encounters).n_swimmers
+    ended = ~column(encounters, "end_censored")
+    n_started = np.searchsorted(np.sort(column(encounters, "start_time")), time, side="right")
+    n_over = np.searchsorted(np.sort(column(encounters, "end_time")[ended]), time, side="right")
+    fraction = (n_started - n_over) / n
+    # A swimmer is in one encounter at most, so the count is binomial.
+    return fraction, np.sqrt(fraction * (1.0 - fraction) / max(n - 1, 1))
+
+
+def _time_fraction(encounters: pa.Table, time: np.ndarray) -> Estimate:
+    info = TableInfo.of(encounters)
+    if info.duration <= 0.0:
+        return Estimate(np.nan, np.nan, 0, 0, "")
+    sums = Swimmers.of(column(encounters, "swimmer")).sums(time) / info.duration
+    value, error = mean_over_swimmers(sums, n_swimmers=info.n_swimmers)
+    return Estimate(value, error, info.n_swimmers, 0, "")

@@ -1,0 +1,195 @@
+"""The statistics of a run in one map, for summary.json, and in a few lines for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.columns import column
+from porous_swim.analysis.estimates import Estimate
+from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
+from porous_swim.analysis.residence import (
+    bound_fraction,
+    contact_fraction,
+    contact_fraction_of_encounters,
+    escape_pitch_times,
+    residence_times,
+)
+from porous_swim.analysis.survival import WaitingTimes
+from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED, Diffusivity, diffusivity
+from porous_swim.analysis.winding import Winding, winding
+from porous_swim.results import TableInfo
+
+ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
+
+
+def summarize(
+    encounters: pa.Table,
+    colloids: pa.Table,
+    timeseries: pa.Table,
+    trajectory: pa.Table,
+    *,
+    persistence_time: float,
+    warnings: Iterable[str] = (),
+) -> dict[str, Any]:
+    """Statistics of a run, ready for JSON: each is `{value, standard_error, n, n_censored, unit}`.
+
+    The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, infinite
+    without noise. `warnings` come first in the list of warnings; what the numbers themselves give rise to
+    follows.
+    """
+    residence, passage = residence_times(encounters), escape_pitch_times(encounters)
+    late = diffusivity(trajectory, persistence_time=persistence_time)
+    found = [
+        *_residence_warnings(residence, TableInfo.of(encounters).duration),
+        *_passage_warnings(encounters),
+        *_diffusivity_warnings(late, persistence_time),
+    ]
+    return {
+        "residence": _waiting(residence),
+        "escape_pitch_time": _waiting(passage),
+        "winding": _winding(winding(encounters)),
+        **_moves(hop_statistics(encounters, colloids)),
+        "flights": _waiting(flights(encounters)),
+        "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
+        "diffusivity": {
+            "effective": late.estimate().as_dict(),
+            "window": list(late.window),
+            "reliable": late.reliable,
+        },
+        "fractions": {
+            "bound": bound_fraction(encounters).as_dict(),
+            "contact": contact_fraction(encounters).as_dict(),
+            "contact_of_encounters": contact_fraction_of_encounters(encounters).as_dict(),
+        },
+        "warnings": [*warnings, *found],
+    }
+
+
+def _waiting(times: WaitingTimes) -> dict[str, Any]:
+    return {
+        "mean": times.estimate().as_dict(),
+        "restricted_mean": times.restricted_estimate().as_dict(),
+        "horizon": times.horizon if math.isfinite(times.horizon) else None,
+        "mean_completed": times.completed_estimate().as_dict(),
+    }
+
+
+def _winding(turns: Winding) -> dict[str, Any]:
+    return {name: estimate.as_dict() for name, estimate in vars(turns).items()}
+
+
+def _moves(moves: HopStatistics) -> dict[str, Any]:
+    hops = {
+        "rate": moves.hop_rate,
+        "time": moves.time,
+        "length": moves.length,
+        "displacement": moves.displacement,
+        "nearest_share": moves.nearest_share,
+    }
+    return {
+        "hops": {name: estimate.as_dict() for name, estimate in hops.items()},
+        "returns": {"rate": moves.return_rate.as_dict()},
+    }
+
+
+def _final_msd(timeseries: pa.Table, info: TableInfo) -> dict[str, Any]:
+    if len(timeseries) == 0:
+        return {"final": Estimate(math.nan, math.nan, 0, 0, "a^2").as_dict(), "time": None}
+    value, error = (float(column(timeseries, name)[-1]) for name in ("msd", "msd_standard_error"))
+    final = Estimate(value, error, info.n_swimmers, 0, "a^2")
+    return {"final": final.as_dict(), "time": float(column(timeseries, "time")[-1])}
+
+
+def _residence_warnings(residence: WaitingTimes, duration: float) -> Iterable[str]:
+    n = residence.n + residence.n_censored
+    if n and residence.n == 0:
+        yield f"No encounter ended during the run ({n} under way): the mean residence time is not known."
+    elif 0 < residence.n < ENDS_WANTED:
+        yield (
+            f"Few encounters ended ({residence.n}): residence times and their errors are rough "
+            f"({ENDS_WANTED} or more are wanted)."
+        )
+    if residence.n and duration < residence.mean:
+        yield (
+            f"The run ({duration:g} a/U) is shorter than the mean residence time ({residence.mean:.3g} a/U), "
+            "which is then an extrapolation: it holds if swimmers escape at a constant rate."
+        )
+
+
+def _passage_warnings(encounters: pa.Table) -> Iterable[str]:
+    ended = ~column(encounters, "end_censored")
+    missing = int(np.count_nonzero(np.isnan(column(encounters, "escape_pitch_time"))[ended]))
+    n = int(np.count_nonzero(ended))
+    if 0 < missing < n:  # all missing: the scene times no such pitch
+        yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
+
+
+def _diffusivity_warnings(late: Diffusivity, persistence_time: float) -> Iterable[str]:
+    if late.n and not late.reliable:
+        yield (
+            f"The effective diffusivity comes from a run of {late.window[1]:g} a/U, shorter than "
+            f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "
+            "the motion is not yet diffusive."
+        )
+
+
+_LINES = (  # (label, where in the summary)
+    ("residence time", ("residence", "mean")),
+    ("escape-pitch time", ("escape_pitch_time", "mean")),
+    ("winding of completed encounters", ("winding", "completed")),
+    ("hop rate per swimmer", ("hops", "rate")),
+    ("hop time", ("hops", "time")),
+    ("hop length", ("hops", "length")),
+    ("return rate per swimmer", ("returns", "rate")),
+    ("fraction bound", ("fractions", "bound")),
+    ("fraction in contact", ("fractions", "contact")),
+    ("mean squared displacement at the end", ("msd", "final")),
+    ("effective diffusivity", ("diffusivity", "effective")),
+)
+
+
+def summary_lines(summary: Mapping[str, Any]) -> list[str]:
+    """The summary for people: each statistic that has a value ± one standard error, then the warnings."""
+    lines = []
+    for label, (group, name) in _LINES:
+        statistic = summary[group][name]
+        if statistic["value"] is not None:
+            lines.append(f"{label}: {_in_words(statistic)}")
+    return [*lines, *(f"warning: {warning}" for warning in summary["warnings"])]
+
+
+def summary_page(summary: Mapping[str, Any]) -> str:
+    """The same as a table and a list in Markdown, for the recording."""
+    rows = []
+    for label, (group, name) in _LINES:
+        if summary[group][name]["value"] is not None:
+            rows.append(f"| {label} | {_in_words(summary[group][name])} |")
+    table = "\n".join(["| statistic | value |", "|---|---|", *rows])
+    warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])
+    return f"{table}\n\n{warnings}" if warnings else table
+
+
+def _in_words(statistic: Mapping[str, Any]) -> str:
+    value, error, unit = statistic["value"], statistic["standard_error"], statistic["unit"]
+    counts = f"n = {statistic['n']}"
+    if statistic["n_censored"]:
+        counts += f", {statistic['n_censored']} censored"
+    return f"{_rounded(value, error)}{' ' + unit if unit else ''} ({counts})"
+
+
+def _rounded(value: float, error: float | None) -> str:
+    """`39.41 ± 0.14`: two digits of the error, and the value to the same place."""
+    if error is None:
+        return f"{value:.3g}"
+    if error == 0.0:
+        return f"{value:.6g} ± 0"
+    place = 1 - math.floor(math.log10(error))
+    if 0 <= place <= 6:
+        return f"{value:.{place}f} ± {error:.{place}f}"
+    digits = max(1, 1 + place + (math.floor(math.log10(abs(value))) if value else 0))
+    return f"{value:.{digits}g} ± {error:.2g}"

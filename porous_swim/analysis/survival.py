@@ -1,0 +1,137 @@
+"""How long until something ends, when some ends were not seen. Times in a/U."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
+
+
+@dataclass(frozen=True)
+class SurvivalCurve:
+    """The Kaplan-Meier estimate of the probability to last longer than a time: a step function from 1.
+
+    Source: Kaplan and Meier, J. Am. Stat. Assoc. 53, 457 (1958).
+    """
+
+    time: np.ndarray  # (n_times,) a/U, where ends were seen, increasing
+    probability: np.ndarray  # (n_times,) from `time` on, up to the next
+    n_at_risk: np.ndarray  # (n_times,) samples that lasted to `time`
+    n_ended: np.ndarray  # (n_times,) samples that ended at `time`
+
+
+@dataclass(frozen=True)
+class WaitingTimes:
+    """Summary of waiting times, some of them censored (their end was not seen). Times in a/U."""
+
+    mean: float
+    """Total time waited / ends seen: the maximum-likelihood mean for a constant rate of ending."""
+    standard_error: float
+    """Of `mean`: jackknife over swimmers."""
+    n: int
+    """Ends seen."""
+    n_censored: int
+    """Samples whose end was not seen."""
+    restricted_mean: float
+    """Mean of min(time, horizon), free of assumptions: the area under the survival curve up to `horizon`."""
+    restricted_standard_error: float
+    """Of `restricted_mean`: infinitesimal jackknife over swimmers."""
+    horizon: float
+    """Where the survival curve is cut."""
+    mean_completed: float
+    """Mean of the completed ones alone: biased towards short ones; for comparison."""
+    completed_standard_error: float
+    """Of `mean_completed`: jackknife over swimmers."""
+
+    def estimate(self) -> Estimate:
+        """`mean` with its error and counts."""
+        return Estimate(self.mean, self.standard_error, self.n, self.n_censored, "a/U")
+
+    def completed_estimate(self) -> Estimate:
+        """`mean_completed` with its error and counts."""
+        counts = self.n, self.n_censored
+        return Estimate(self.mean_completed, self.completed_standard_error, *counts, "a/U")
+
+    def restricted_estimate(self) -> Estimate:
+        """`restricted_mean` with its error and counts."""
+        return Estimate(self.restricted_mean, self.restricted_standard_error, self.n, self.n_censored, "a/U")
+
+
+def survival_curve(length: np.ndarray, *, ended: np.ndarray) -> SurvivalCurve:
+    """Kaplan-Meier curve of lengths (n,), where `ended` (n,) says whether the end was seen."""
+    order = np.sort(length)
+    time, n_ended = np.unique(length[ended], return_counts=True)
+    n_at_risk = len(length) - np.searchsorted(order, time, side="left")
+    return SurvivalCurve(time, np.cumprod(1.0 - n_ended / n_at_risk), n_at_risk, n_ended)
+
+
+def waiting_times(
+    length: np.ndarray,
+    *,
+    ended: np.ndarray,
+    swimmer: np.ndarray,
+    start_seen: np.ndarray | None = None,
+    horizon: float | None = None,
+) -> WaitingTimes:
+    """Summarise lengths (n,), of which `ended` and `start_seen` (n,) say what was seen.
+
+    Lengths without a seen start count in `mean` and stay out of the survival curve and `mean_completed`.
+    `horizon` defaults to the longest length seen; a later one is cut back to that, beyond which nothing
+    is known, unless the curve has reached zero.
+    """
+    swimmers = Swimmers.of(swimmer)
+    mean, standard_error = ratio_of_sums(swimmers.sums(length), swimmers.sums(ended))
+    whole = np.ones(len(length), bool) if start_seen is None else start_seen
+    completed = ended & whole
+    mean_completed, completed_error = ratio_of_sums(
+        swimmers.sums(np.where(completed, length, 0.0)), swimmers.sums(completed)
+    )
+    restricted, restricted_error, horizon = _restricted_mean(
+        length[whole], ended=ended[whole], swimmer=swimmer[whole], horizon=horizon
+    )
+    return WaitingTimes(
+        mean=mean,
+        standard_error=standard_error,
+        n=int(np.count_nonzero(ended)),
+        n_censored=int(np.count_nonzero(~ended)),
+        restricted_mean=restricted,
+        restricted_standard_error=restricted_error,
+        horizon=horizon,
+        mean_completed=mean_completed,
+        completed_standard_error=completed_error,
+    )
+
+
+def _restricted_mean(
+    length: np.ndarray, *, ended: np.ndarray, swimmer: np.ndarray, horizon: float | None
+) -> tuple[float, float, float]:
+    """Area under the survival curve up to the horizon, its error over swimmers, and the horizon."""
+    if len(length) == 0:
+        return math.nan, math.nan, math.nan if horizon is None else horizon
+    longest = float(np.max(length))
+    if horizon is None or (horizon > longest and not ended[length == longest].all()):
+        horizon = longest
+    curve = survival_curve(length, ended=ended)
+    used = curve.time < horizon
+    time, n_ended, n_at_risk = curve.time[used], curve.n_ended[used], curve.n_at_risk[used]
+    probability = np.concatenate([[1.0], curve.probability[used]])
+    steps = np.diff(np.concatenate([[0.0], time, [horizon]])) * probability
+    mean = float(np.sum(steps))
+
+    # Influence of each sample: derivative of the area by the sample's weight. With M_j the area beyond
+    # time j, d log S = -(ended - at_risk n_j/r_j)/(r_j - n_j); summed per swimmer it is an infinitesimal
+    # jackknife (Jaeckel 1972) for groups, since all samples of one swimmer change weight together.
+    beyond = mean - np.cumsum(steps)[:-1]
+    left = n_at_risk - n_ended
+    weight = np.divide(beyond, left, out=np.zeros(len(time)), where=left > 0)  # none left: no area beyond
+    last = np.searchsorted(time, length, side="right")  # ends at or before each length
+    exposure = np.concatenate([[0.0], np.cumsum(weight * n_ended / n_at_risk)])[last]
+    own = np.where(ended & (length < horizon), np.append(weight, 0.0)[np.maximum(last - 1, 0)], 0.0)
+    swimmers = Swimmers.of(swimmer)
+    influence = swimmers.sums(exposure - own)
+    if swimmers.n < 2:
+        return mean, math.nan, horizon
+    return mean, math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2))), horizon

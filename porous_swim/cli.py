@@ -1,0 +1,143 @@
+"""The command line. Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+
+if TYPE_CHECKING:
+    from porous_swim.scene import Scene
+
+app = typer.Typer(
+    help="Microswimmers among colloids: capture, orbits, hops and transport in porous media.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, such as scenes/crystal.yaml.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change a key, such as swimmers.dipole_strength=0.8; may be repeated."
+    ),
+]
+
+
+def main() -> None:
+    """Run the command line and leave with its exit status."""
+    try:
+        app()
+    except (SceneError, ResultsError, DeviceError) as error:
+        _leave(error, 2)
+    except RunError as error:
+        _leave(error, 1)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except BrokenPipeError:  # the reader of our output has gone: nothing to say, and nobody to say it to
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+def _leave(error: PorousSwimError, status: int) -> None:
+    print(error, file=sys.stderr)
+    sys.exit(status)
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    out: Annotated[Path | None, typer.Option(help="The run folder. Default: runs/NAME, runs/NAME-2, ...")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an earlier run in --out.")] = False,
+    seed: Annotated[int | None, typer.Option(help="Instead of run.seed.")] = None,
+    changes: Changes = None,
+    device: Annotated[str | None, typer.Option(help="auto, cpu, cuda, vulkan or metal.")] = None,
+    precision: Annotated[str | None, typer.Option(help="auto, f32 or f64.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Threads of the CPU.")] = None,
+    no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
+) -> None:
+    """Run a scene. The last line on stdout is the run folder."""
+    from porous_swim.analysis.summary import summary_lines
+    from porous_swim.results import RunFolder
+    from porous_swim.simulation import run_in
+
+    options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
+    loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})
+    folder = RunFolder.next_free(loaded.name) if out is None else RunFolder.at(out, overwrite=force)
+    results = run_in(loaded, folder, progress=not quiet, recording=not no_recording)
+    if not quiet:
+        for line in summary_lines(results.summary):
+            print(line)
+    print(folder.path)
+    if results.summary["status"] == "interrupted":
+        print(
+            f"interrupted at time {results.info.last_time:g} a/U; what was recorded is in {folder.path}",
+            file=sys.stderr,
+        )
+        raise typer.Exit(130)
+
+
+@app.command()
+def check(scene: SceneFile, changes: Changes = None) -> None:
+    """Say what a scene is, and what is doubtful about it; run nothing."""
+    from porous_swim.inspection import describe
+
+    loaded = _scene(scene, changes, {})
+    console = Console(highlight=False, soft_wrap=True)
+    for label, text in describe(loaded):
+        console.print(f"{label:<24}{text}", markup=False)
+
+
+@app.command()
+def view(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")],
+    web: Annotated[bool, typer.Option("--web", help="In the browser.")] = False,
+) -> None:
+    """Open the recording of a run in the Rerun viewer."""
+    recording = run_folder / "recording.rrd"
+    if not recording.is_file():
+        raise ResultsError(f"{run_folder}: there is no recording.rrd in it")
+    viewer = [sys.executable, "-m", "rerun", str(recording)]
+    os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="The new file: NAME.yaml.")],
+    template: Annotated[str, typer.Option("--from", help="A scene that ships with porous_swim.")] = "crystal",
+) -> None:
+    """Write a scene file to start from."""
+    from porous_swim.templates import copy_template
+
+    print(copy_template(template, Path(name)))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scene files, for editors."""
+    import json
+
+    from porous_swim.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
+
+
+def _scene(path: Path, changes: list[str] | None, options: dict[str, object]) -> Scene:
+    from porous_swim.document import read_value
+    from porous_swim.scene import load_scene
+
+    for change in changes or []:
+        key, equals, value = change.partition("=")
+        if not equals or not key:
+            raise SceneError(f"--set {change}: expected KEY=VALUE, such as swimmers.dipole_strength=0.8")
+        options[key] = read_value(value)
+    scene = load_scene(path)
+    return scene.replace(options) if options else scene

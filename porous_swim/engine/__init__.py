@@ -1,0 +1,1 @@
+"""The only place with device memory, loops and `ti.init`."""

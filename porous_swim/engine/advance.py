@@ -1,0 +1,154 @@
+"""The kernel: blocks of lanes that run until something happens, and a scalar pass that deals with it."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from dataclasses import dataclass
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.book import make_book
+from porous_swim.engine.encounters import make_encounters, make_orient
+from porous_swim.engine.log import Log
+from porous_swim.engine.move import make_step
+from porous_swim.engine.settle import make_settle
+from porous_swim.engine.state import N_SHARED_INTS, Event, Int, LaneInt, Law, Long, Total, real_rows
+from porous_swim.engine.swimmers import Rules, Swimmers
+from porous_swim.obstacles.search import Medium
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.euler import make_euler
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What is compiled in; all numbers stay kernel arguments, so that a sweep compiles once."""
+
+    hydrodynamics: type
+    variates: str | None  # "gaussian", "uniform"; None without noise
+    sphere: bool  # all swimmers are spheres
+    dimensions: int
+    real: object  # ti.f32 or ti.f64
+    lanes: int
+
+
+@cache
+def make_lanes(real, dimensions: int, lanes: int):
+    """Return `load` and `store`, between memory and the lanes of a block."""
+    rows = real_rows(dimensions)
+
+    @ti.func
+    def load(f: ti.template(), n: ti.template(), block, swimmers: ti.template(), fresh):
+        for j in range(lanes):
+            i = ti.min(block * lanes + j, swimmers.int.shape[1] - 1)  # lanes beyond the last swimmer idle
+            for row in ti.static(range(rows.n_shared)):
+                f[row, j] = swimmers.real[row, i]
+            for row in ti.static(range(N_SHARED_INTS)):
+                n[row, j] = swimmers.int[row, i]
+            if fresh != 0:
+                n[Int.STEP, j] = 0
+            for k in ti.static(range(int(Law.ESCAPE_SINE))):
+                f[rows.alpha + k, j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
+            n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j], n[LaneInt.TOUCH, j] = -1, 0, 0
+            n[Int.EVENT, j] |= int(Event.ORIENT)
+            if block * lanes + j >= swimmers.int.shape[1]:
+                n[Int.EVENT, j] = int(Event.HALT)
+
+    @ti.func
+    def store(f: ti.template(), n: ti.template(), block, swimmers: ti.template(), first, n_steps):
+        for j in range(lanes):
+            i = block * lanes + j
+            if i < swimmers.int.shape[1]:
+                for row in ti.static(range(rows.n_shared)):
+                    swimmers.real[row, i] = f[row, j]
+                for row in ti.static(range(N_SHARED_INTS)):
+                    swimmers.int[row, i] = n[row, j]
+                if n[LaneInt.RELEASE, j] >= 0:
+                    swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE, j]
+                swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT, j]
+                if n[Int.EVENT, j] & int(Event.HALT):
+                    ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
+                elif (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] >= n_steps):
+                    ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
+
+    return load, store
+
+
+@cache
+def make_advance(structure: Structure):
+    """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
+    real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
+    rows = real_rows(dimensions)
+    contact_height = HardContact.make_height(real, structure.sphere)
+    drift = structure.hydrodynamics.make_drift(real)
+    integrate = make_euler(drift, real, dimensions, structure.variates)
+    step = make_step(real, dimensions, integrate, contact_height)
+    book = make_book(real, dimensions, contact_height)
+    settle = make_settle(real, dimensions, contact_height, structure.sphere)
+    orient = make_orient(real, dimensions)
+    encounters = make_encounters(real, dimensions, contact_height)
+    load, store = make_lanes(real, dimensions, lanes)
+    Reals, Ints = (
+        ti.types.matrix(rows.n_lanes, lanes, real),
+        ti.types.matrix(len(LaneInt) + N_SHARED_INTS, lanes, ti.i32),
+    )
+    reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
+    real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
+
+    @ti.func
+    def attend(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+               log: ti.template(), rules: ti.template()):  # fmt: skip
+        """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
+        event = n[Int.EVENT, j]
+        n[Int.EVENT, j] &= int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
+        if event & int(Event.LOCATE):  # a swimmer just placed stays where it is
+            for row in ti.static(range(dimensions)):
+                f[rows.trial_x + row, j], f[rows.trial_e + row, j] = f[rows.x + row, j], f[rows.e + row, j]
+        if event & int(Event.LOCATE | Event.FINISH):
+            settle(f, n, j, i, swimmers, medium, rules)
+        orient(f, n, j, i, swimmers, medium)
+        if n[Int.EVENT, j] & int(Event.HALT) == 0:
+            if event & int(Event.FINISH):
+                book(f, n, j, True, rules)
+            if event & int(Event.LOCATE):
+                touch = (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
+                n[Int.EVENT, j] |= ti.select(touch, int(Event.CONTACT), 0)
+            if n[Int.EVENT, j] != 0:
+                encounters(f, n, j, i, swimmers, medium, log, rules)
+
+    @ti.kernel
+    def advance(
+        state: reals, state_int: ints, state_long: longs, law: reals, total: long_row,
+        center: longs, radius: real_row, first_cell: int_row, candidate: ints, grid: int_row, scale: reals,
+        log_real: reals, log_int: ints, log_long: longs,
+        dt: real, escape_height: real, contact_band: real, tolerance: real, margin: real,
+        first: ti.i64, first_low: ti.u32, first_high: ti.u32, key0: ti.u32, key1: ti.u32,
+        n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, stride: ti.i32, chunk: ti.i32,
+    ):  # fmt: skip
+        swimmers = ti.static(Swimmers(state, state_int, state_long, law, total))
+        medium = ti.static(Medium(center, radius, first_cell, candidate, grid, scale))
+        log = ti.static(Log(log_real, log_int, log_long))
+        rules = ti.static(
+            Rules(dt, escape_height, contact_band, tolerance, margin, first, first_low, first_high, key0, key1)
+        )
+        for t in range(
+            n_blocks * stride
+        ):  # Taichi's CPU tasks are at least 512 iterations: a block is `stride` of them
+            if t % stride == 0:
+                block = t // stride
+                f, n = Reals(0.0), Ints(0)
+                load(f, n, block, swimmers, fresh)
+                go = 1
+                while go != 0:
+                    go = 0
+                    for j in range(lanes):
+                        for _ in range(2):  # the second time to orient a lane whose encounter began or ended
+                            if (n[Int.EVENT, j] != 0) & ((n[Int.EVENT, j] & int(Event.HALT)) == 0):
+                                attend(f, n, j, block * lanes + j, swimmers, medium, log, rules)
+                        if (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] < n_steps):
+                            go = 1
+                    if go != 0:
+                        for _ in range(chunk):
+                            for j in range(lanes):  # the one loop that vectorises: values in, values out, selects
+                                step(f, n, j, block * lanes + j, rules, n_steps)
+                store(f, n, block, swimmers, first, n_steps)
+
+    return advance

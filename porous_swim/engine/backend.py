@@ -1,0 +1,88 @@
+"""The one place that starts Taichi."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+import taichi as ti
+from taichi.lang import impl
+
+from porous_swim.errors import DeviceError
+
+ti.set_logging_level(ti.ERROR)  # looking for a device that is not there is no reason to warn
+
+DEVICES = ("cpu", "cuda", "vulkan", "metal")
+AUTO_ORDER = ("cuda", "metal", "cpu")  # Vulkan may be a software driver, so it is used on demand only
+
+
+@dataclass(frozen=True)
+class Backend:
+    """A started device."""
+
+    device: str
+    threads: int | None  # of the CPU; None: all
+
+    @property
+    def is_cpu(self) -> bool:
+        """Whether blocks of lanes pay."""
+        return self.device == "cpu"
+
+
+_current: Backend | None = None
+
+
+def available(device: str) -> bool:
+    """Whether Taichi can start `device` here."""
+    from taichi._lib import core
+
+    checks = {"cuda": core.with_cuda, "vulkan": core.with_vulkan, "metal": core.with_metal}
+    return device == "cpu" or bool(checks[device]())
+
+
+def choose(device: str) -> str:
+    """The device that `device` means here; `auto` takes the fastest kind there is.
+
+    Raises:
+        DeviceError: the device that was asked for is not there.
+    """
+    if device == "auto":
+        return next(name for name in AUTO_ORDER if available(name))
+    if not available(device):
+        here = ", ".join(name for name in DEVICES if available(name))
+        raise DeviceError(
+            f"device: no {device} device was found on this machine; here are: {here} (auto takes the best)"
+        )
+    return device
+
+
+def ensure(device: str = "auto", threads: int | None = None) -> Backend:
+    """Start Taichi on `device`, unless it runs there already. Arrays of an earlier device are lost by a change."""
+    global _current
+    wanted = Backend(choose(device), threads if choose(device) == "cpu" else None)
+    if _current == wanted:
+        return wanted
+    options = {"cpu_max_num_threads": threads} if wanted.threads else {}
+    ti.init(
+        arch=getattr(ti, wanted.device), default_fp=ti.f32, default_ip=ti.i32, fast_math=False, log_level=ti.ERROR,
+        offline_cache=True, unrolling_limit=0, verbose=False, **options,
+    )  # fmt: skip
+    if impl.current_cfg().arch != getattr(ti, wanted.device) and not wanted.is_cpu:
+        raise DeviceError(f"device: {wanted.device} was found but could not be started")
+    _drop_compiled()
+    _current = wanted
+    return wanted
+
+
+def ensure_any() -> Backend:
+    """The device that runs, or the CPU started."""
+    return _current if _current is not None else ensure("cpu")
+
+
+def _drop_compiled() -> None:
+    """Forget the kernels compiled for an earlier device."""
+    for name, module in list(sys.modules.items()):
+        if name.startswith("porous_swim."):
+            for value in vars(module).values():
+                if callable(clear := getattr(value, "cache_clear", None)):
+                    clear()

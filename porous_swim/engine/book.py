@@ -1,0 +1,108 @@
+"""Booking a step: the record of the encounter, and the events that the step brings.
+
+Runs in the lanes for most steps and in the scalar pass for those that needed a search: the same function.
+"""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
+
+TWO_PI = 6.283185307179586
+
+
+@cache
+def make_vectors(dimensions: int):
+    """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of a lane."""
+
+    @ti.func
+    def get(f: ti.template(), row: ti.template(), j):
+        return ti.Vector([f[row + d, j] for d in ti.static(range(dimensions))])
+
+    @ti.func
+    def put(f: ti.template(), row: ti.template(), j, v):
+        for d in ti.static(range(dimensions)):
+            f[row + d, j] = v[d]
+
+    return get, put
+
+
+@ti.func
+def add(f: ti.template(), row: ti.template(), j, on, value):
+    """Add `value` to a sum where `on`; the next row keeps what the rounding left (Kahan)."""
+    total, rest = f[row, j], f[row + 1, j]
+    y = value + rest
+    t = total + y
+    f[row, j] = ti.select(on, t, total)
+    f[row + 1, j] = ti.select(on, y - (t - total), rest)
+
+
+@cache
+def make_turns(real, dimensions: int):
+    """Return `turns(r0, r1, e)`: the winding of a step along the director, and its angle about +z, in turns."""
+
+    @ti.func
+    def turns(r0, r1, e):
+        # (t.dx)/R with t the unit tangential part of the director, R the distance, both at the start of the step
+        rho, s, dx = r0.dot(r0), r0.dot(e), r1 - r0
+        tangential = ti.max(rho - s * s, real(1e-30))
+        along = (rho * e.dot(dx) - s * r0.dot(dx)) / (rho * ti.sqrt(tangential))
+        angle = real(0.0)
+        if ti.static(dimensions == 2):  # arcsin as a series: below 1e-9 at 0.1 rad
+            c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
+            q = c * c
+            angle = c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336))))
+        return along * real(1 / TWO_PI), angle * real(1 / TWO_PI)
+
+    return turns
+
+
+@cache
+def make_book(real, dimensions: int, contact_height):
+    """Return `book(f, n, j, on, rules)`, which commits the trial move of lane j where `on`."""
+    rows = real_rows(dimensions)
+    get, put = make_vectors(dimensions)
+    turns = make_turns(real, dimensions)
+
+    @ti.func
+    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), r0, r1, e0, R, s):
+        """Add the step to the record of the encounter under way."""
+        along, angle = turns(r0, r1, e0)
+        h = R - f[rows.bound_A, j]
+        add(f, rows.winding, j, on, along)
+        if ti.static(dimensions == 2):
+            add(f, rows.signed, j, on, angle)
+        add(f, rows.push, j, on, f[rows.trial_push, j])
+        add(f, rows.height, j, on, h)
+        f[rows.min_height, j] = ti.select(on, ti.min(h, f[rows.min_height, j]), f[rows.min_height, j])
+        f[rows.max_height, j] = ti.select(on, ti.max(h, f[rows.max_height, j]), f[rows.max_height, j])
+        low = h <= contact_height(s, f[rows.gamma, j]) + rules.contact_band
+        n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
+        at_wall = on & (n[LaneInt.OWN, j] != 0) & (n[LaneInt.TOUCH, j] != 0)
+        n[LaneInt.RELEASE, j] = ti.select(at_wall, n[Int.STEP, j] + 1, n[LaneInt.RELEASE, j])
+        f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
+        f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
+        return h
+
+    @ti.func
+    def book(f: ti.template(), n: ti.template(), j, on, rules: ti.template()):
+        x0, e0, offset = get(f, rows.x, j), get(f, rows.e, j), get(f, rows.bound_offset, j)
+        x1, e1 = get(f, rows.trial_x, j), get(f, rows.trial_e, j)
+        r0, r1 = x0 + offset, x1 + offset
+        R = ti.sqrt(r1.dot(r1))
+        s = r1.dot(e1) / R
+        bound = on & (n[Int.PHASE, j] == int(Phase.BOUND))
+        h = record(f, n, j, bound, rules, r0, r1, e0, R, s)
+        touch = on & (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
+        passed = on & (n[LaneInt.WATCH_PITCH, j] != 0) & (s > f[rows.escape_sine, j])
+        left = bound & (h > rules.escape_height)
+        events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(passed, int(Event.PITCH), 0)
+        n[Int.EVENT, j] |= events | ti.select(left, int(Event.ESCAPE), 0)
+        n[Int.STEP, j] += ti.select(on, 1, 0)
+        put(f, rows.x, j, ti.select(on, x1, x0))
+        put(f, rows.rest, j, ti.select(on, get(f, rows.trial_rest, j), get(f, rows.rest, j)))
+        put(f, rows.e, j, ti.select(on, e1, e0))
+
+    return book

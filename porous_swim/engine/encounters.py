@@ -1,0 +1,165 @@
+"""The life of an encounter: capture, first passage of the escape pitch, escape, hop."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.book import make_vectors
+from porous_swim.engine.log import make_log
+from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
+from porous_swim.engine.swimmers import image_of, put_image, same
+from porous_swim.obstacles.search import ivec3, make_between
+
+
+@cache
+def make_orient(real, dimensions: int):
+    """Return `orient(f, n, j, i, swimmers, medium)`.
+
+    It makes the lane's relations between its nearest colloid and the colloid of its encounter.
+    """
+    rows = real_rows(dimensions)
+    _, put = make_vectors(dimensions)
+    between = make_between(real, dimensions)
+
+    @ti.func
+    def orient(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
+        k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+        t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+        none = b < 0
+        b, image_b = ti.select(none, k, b), ti.select(none, image, image_b)
+        bound = n[Int.PHASE, j] == int(Phase.BOUND)
+        own = bound & same(k, image, b, image_b)
+        news = ~bound | ~(own | same(k, image, t, image_t))
+        awaited = (n[Int.PHASE, j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
+        f[rows.A, j], f[rows.bound_A, j] = medium.radius[k], medium.radius[b]
+        put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
+        n[LaneInt.OWN, j] = ti.cast(own, ti.i32)
+        n[LaneInt.WATCH_CONTACT, j] = ti.cast(news, ti.i32)
+        n[LaneInt.WATCH_PITCH, j] = ti.cast(awaited & (f[rows.escape_sine, j] < real(1.0)), ti.i32)
+
+    return orient
+
+
+@cache
+def make_capture(real, dimensions: int, contact_height):
+    """Return `capture(f, n, j, i, swimmers, medium, rules, k, image)`, which opens an encounter with colloid k."""
+    rows = real_rows(dimensions)
+    get, _ = make_vectors(dimensions)
+    between = make_between(real, dimensions)
+
+    @ti.func
+    def lift_off_sine(A, alpha):
+        """Sine of the pitch at which a pusher in contact starts to leave: s + K (3 s^2 - 1) = 0, h = 1."""
+        R = A + real(1.0)
+        H = R + A
+        K = real(1.5) * alpha * A * R / (H * H)
+        return real(2.0) * K / (real(1.0) + ti.sqrt(real(1.0) + real(12.0) * K * K))
+
+    @ti.func
+    def count(i, swimmers: ti.template(), k, image):
+        """A hop comes from another colloid, a return from the same; a first encounter is neither."""
+        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+        again = same(b, image_b, k, image)
+        ti.atomic_add(swimmers.total[int(Total.CAPTURES)], 1)
+        ti.atomic_add(swimmers.total[int(Total.RETURNS)], ti.select(again, 1, 0))
+        ti.atomic_add(swimmers.total[int(Total.HOPS)], ti.select((b >= 0) & ~again, 1, 0))
+
+    @ti.func
+    def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+                rules: ti.template(), k, image):  # fmt: skip
+        count(i, swimmers, k, image)
+        swimmers.int[int(Int.BOUND), i] = k
+        put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
+        swimmers.int[int(Int.TOUCHED), i] = -1
+        n[Int.PHASE, j] = int(Phase.BOUND)
+        nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+        r = get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)
+        e = get(f, rows.e, j)
+        R = ti.sqrt(r.dot(r))
+        s, h = r.dot(e) / R, R - medium.radius[k]
+        for d in ti.static(range(dimensions)):
+            swimmers.real[rows.entry_x + d, i] = r[d]
+            swimmers.real[rows.entry_e + d, i] = e[d]
+        for row in ti.static(range(rows.winding, rows.min_height)):
+            f[row, j] = real(0.0)
+        f[rows.min_height, j], f[rows.max_height, j] = h, h
+        threshold = swimmers.law[swimmers.int[int(Int.SET), i], int(Law.ESCAPE_SINE)]
+        exact = lift_off_sine(medium.radius[k], f[rows.alpha, j])
+        threshold = ti.select(threshold < real(-1.0), exact, threshold)
+        f[rows.escape_sine, j] = threshold
+        touch = h <= contact_height(s, f[rows.gamma, j]) + rules.tolerance
+        f[rows.release_sine, j], f[rows.release_winding, j] = s, real(0.0)
+        n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j] = -1, 0
+        step = rules.first + n[Int.STEP, j]
+        swimmers.long[int(Long.START), i] = step
+        swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
+        swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
+        swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
+
+    return capture
+
+
+@cache
+def make_encounters(real, dimensions: int, contact_height):
+    """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
+
+    What needs a row of the log stays pending while the log is full.
+    """
+    rows = real_rows(dimensions)
+    get, _ = make_vectors(dimensions)
+    between = make_between(real, dimensions)
+    capture = make_capture(real, dimensions, contact_height)
+    log_row = make_log(real, dimensions)
+
+    @ti.func
+    def within_reach(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), reach):
+        """Whether the colloid touched last in the encounter is no farther than `reach`."""
+        near = False
+        t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+        if t >= 0:
+            k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+            r = get(f, rows.x, j) + between(medium, t, image_t, k, image)
+            near = ti.sqrt(r.dot(r)) - medium.radius[t] <= reach
+        return near
+
+    @ti.func
+    def encounters(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+                   log: ti.template(), rules: ti.template()):  # fmt: skip
+        event, phase = n[Int.EVENT, j], n[Int.PHASE, j]
+        step = rules.first + n[Int.STEP, j]
+        escaped = (event & int(Event.ESCAPE)) != 0
+        passed = (event & int(Event.PITCH)) != 0
+        if passed & (phase == int(Phase.BOUND)):
+            swimmers.long[int(Long.PITCH), i] = step
+        late = passed & (phase == int(Phase.LEFT))
+        written = True
+        if escaped | late:
+            written = log_row(f, n, j, i, swimmers, log, step, late)
+        if written:
+            n[Int.EVENT, j] = int(Event.ORIENT)
+            target, target_image = -1, ivec3(0)
+            if late:
+                swimmers.long[int(Long.PITCH), i] = step
+                phase = int(Phase.FREE)
+            if escaped:
+                ti.atomic_add(swimmers.total[int(Total.ESCAPES)], 1)
+                awaited = (n[LaneInt.WATCH_PITCH, j] != 0) & ~passed
+                phase = ti.select(awaited, int(Phase.LEFT), int(Phase.FREE))
+                if within_reach(f, j, i, swimmers, medium, rules.escape_height):  # a direct hop
+                    target = swimmers.int[int(Int.TOUCHED), i]
+                    target_image = image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+                swimmers.int[int(Int.TOUCHED), i] = -1
+            n[Int.PHASE, j] = phase
+            if ((event & int(Event.CONTACT)) != 0) & (target < 0):
+                k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+                if phase == int(Phase.BOUND):
+                    swimmers.int[int(Int.TOUCHED), i] = k
+                    put_image(swimmers, int(Int.TOUCHED_IMAGE), i, image)
+                else:
+                    target, target_image = k, image
+            if target >= 0:
+                capture(f, n, j, i, swimmers, medium, rules, target, target_image)
+
+    return encounters

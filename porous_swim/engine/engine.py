@@ -1,0 +1,193 @@
+"""The engine: swimmers on the device, advanced launch by launch; the encounter log comes back in between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from porous_swim.engine.advance import Structure, make_advance
+from porous_swim.engine.backend import Backend
+from porous_swim.engine.host import HostState, Snapshot
+from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
+from porous_swim.engine.medium import load_medium, on_device
+from porous_swim.engine.records import Ended, Records
+from porous_swim.engine.state import Event, Int, Status, Total
+from porous_swim.engine.swimmers import Rules, Swimmers
+from porous_swim.errors import RunError
+from porous_swim.obstacles.cells import build_cells
+from porous_swim.obstacles.field import ObstacleField
+
+LANES = {"f32": 16, "f64": 8}  # on a CPU; a thread of a GPU is one lane
+CHUNK = 4  # steps between looks at events
+LOG_ROWS = 8192
+TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
+# software Vulkan drivers skip iterations of long loops; other devices take any length
+LONGEST_LAUNCH = {"cpu": 1 << 20, "cuda": 1 << 20, "metal": 1 << 20, "vulkan": 4}
+WORD = 0xFFFFFFFF
+COMPLAINTS = {
+    Status.NOT_FINITE: "its position or director is not a finite number: the time step is too long for the flow there",
+    Status.OUTSIDE: "it has left the range of periodic images that can be counted",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """A table of parameter sets, one row each: structure is compiled, these are arguments."""
+
+    dipole_strength: np.ndarray  # (n_sets,) alpha
+    aspect_ratio: np.ndarray  # (n_sets,) gamma
+    translational_diffusion: np.ndarray  # (n_sets,) a U
+    rotational_diffusion: np.ndarray  # (n_sets,) U/a
+    escape_sine: np.ndarray  # (n_sets,); above 1: never; below -1: the lift-off pitch of each colloid
+
+    def table(self, time_step: float) -> np.ndarray:
+        """(n_sets, len(Law)) float64, the columns in the order of `Law`."""
+        squared = self.aspect_ratio**2
+        kick = np.sqrt(2.0 * self.translational_diffusion * time_step)
+        turn = np.sqrt(2.0 * self.rotational_diffusion * time_step)
+        bretherton = (1.0 - squared) / (1.0 + squared)
+        return np.stack([self.dipole_strength, bretherton, kick, turn, self.aspect_ratio, self.escape_sine], axis=1)
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers of a run that all swimmers share, in a, U and a/U."""
+
+    time_step: float
+    escape_height: float
+    contact_band: float
+    seed: int
+
+
+class Engine:
+    """Advances swimmers through a field; the state lives on the device, steps are counted here."""
+
+    def __init__(
+        self, backend: Backend, field: ObstacleField, position: np.ndarray, director: np.ndarray, *,
+        laws: Laws, numbers: Numbers, hydrodynamics: type, variates: str | None, precision: str,
+        law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int = LOG_ROWS,
+    ) -> None:  # fmt: skip
+        """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`."""
+        self.n_swimmers, self.step = len(position), 0
+        self._field, self._numbers, self._chunk = field, numbers, chunk
+        self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
+        self._news: list[Ended] = []
+        self._longest_launch = LONGEST_LAUNCH[backend.device]
+        self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
+        self._n_blocks = -(-self.n_swimmers // self.lanes)
+        self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
+        self._compile(hydrodynamics, variates, precision, sphere=bool(np.all(laws.aspect_ratio == 1.0)))
+        cells = build_cells(field, reach=numbers.escape_height)
+        rounding = float(np.finfo(self._real).eps)
+        self._tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
+        self._margin = 4.0 * rounding * cells.longest
+        self._medium = load_medium(cells, self._real)
+        self._load(position, director, laws, np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of)
+        columns = log_columns(field.dimensions)
+        shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
+        self._log = Log(*(on_device(np.zeros((log_rows, n), t)) for n, t in shapes))
+        self._log_rows, self._logged = log_rows, 0
+        self._records = Records(field, numbers.time_step, self.n_swimmers)
+        self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
+
+    def advance(self, n_steps: int) -> None:
+        """Move all swimmers by `n_steps`; how the steps are cut into launches does not change a bit.
+
+        Raises:
+            RunError: a swimmer cannot go on; the message says which, where and why.
+        """
+        while n_steps > 0:
+            now = min(n_steps, self._longest_launch)
+            self._launch(now)
+            self.step += now
+            n_steps -= now
+
+    def counts(self) -> tuple[int, int, int, int]:
+        """Captures, escapes, hops and returns so far, over all swimmers."""
+        captures, escapes, hops, returns = self._swimmers.total.to_numpy()[: Total.LOGGED].tolist()
+        return captures, escapes, hops, returns
+
+    def snapshot(self) -> Snapshot:
+        """Where all swimmers are."""
+        return self._host().snapshot()
+
+    def ended(self) -> Ended:
+        """What ended since the last call."""
+        self._drain()
+        news, self._news = self._news, []
+        joined = (np.concatenate([getattr(one, name) for one in news] or [np.zeros(0)]) for name in
+                  ("residence", "winding", "hop_time"))  # fmt: skip
+        return Ended(*joined)
+
+    def encounters(self) -> dict[str, np.ndarray]:
+        """Columns of the encounter table, encounters under way included as censored; to be called at the end."""
+        self._drain()
+        self._records.add(*self._host().open_rows(self.step), censored=True)
+        return self._records.columns()
+
+    def _compile(self, hydrodynamics: type, variates: str | None, precision: str, *, sphere: bool) -> None:
+        real = {"f32": ti.f32, "f64": ti.f64}[precision]
+        self._advance = make_advance(
+            Structure(hydrodynamics, variates, sphere, self._field.dimensions, real, self.lanes)
+        )
+
+    def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
+        state = HostState.placed(self._field, position, director, law_of, self._real)
+        law = laws.table(self._numbers.time_step).astype(self._real)
+        arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))
+        self._swimmers = Swimmers(*(on_device(array) for array in arrays))
+
+    def _launch(self, n_steps: int) -> None:
+        """Run the kernel until every lane has made its steps, draining the log whenever it is full."""
+        seed, first, numbers = self._numbers.seed, self.step, self._numbers
+        rules = Rules(
+            numbers.time_step, numbers.escape_height, numbers.contact_band, self._tolerance, self._margin,
+            first, first & WORD, first >> 32, seed & WORD, seed >> 32,
+        )  # fmt: skip
+        fresh, finished = 1, 0
+        while finished < self.n_swimmers:
+            self._advance(
+                *self._swimmers,
+                *self._medium,
+                *self._log,
+                *rules,
+                n_steps,
+                fresh,
+                self._n_blocks,
+                self._stride,
+                self._chunk,
+            )
+            total = self._swimmers.total.to_numpy()
+            finished, fresh, self._logged = int(total[Total.FINISHED]), 0, int(total[Total.LOGGED])
+            if total[Total.HALTED] > 0:
+                raise self._complaint()
+            full = self._logged >= self._log_rows // 2
+            total[Total.FINISHED] = 0
+            self._swimmers.total.from_numpy(total)
+            if full:
+                self._drain()
+
+    def _drain(self) -> None:
+        """Take the rows of the log to the host."""
+        n = min(self._logged, self._log_rows)
+        if n > 0:
+            self._news.append(self._records.add(*(array.to_numpy()[:n] for array in self._log)))
+            total = self._swimmers.total.to_numpy()
+            total[Total.LOGGED] = self._logged = 0
+            self._swimmers.total.from_numpy(total)
+
+    def _host(self) -> HostState:
+        return HostState(self._field, *(array.to_numpy() for array in self._swimmers[:3]))
+
+    def _complaint(self) -> RunError:
+        """The sentence about the first swimmer that cannot go on."""
+        state = self._host()
+        i = int(np.flatnonzero(state.int[Int.EVENT] & int(Event.HALT))[0])
+        step = self.step + int(state.int[Int.STEP, i])
+        place = ", ".join(f"{x:.6g}" for x in state.snapshot().position[i])
+        why = COMPLAINTS[Status(int(state.int[Int.STATUS, i]))]
+        return RunError(
+            f"swimmer {i} stopped at step {step} (time {step * self._numbers.time_step:g}) near ({place}): {why}"
+        )

@@ -1,0 +1,100 @@
+"""The state of all swimmers on the host: how it is first made, and what it says of the swimmers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from porous_swim.engine.log import N_LOG_INTS, SCALARS, LogLong, log_columns
+from porous_swim.engine.state import N_INTS, Event, Int, Long, Phase, real_rows
+from porous_swim.obstacles.field import ObstacleField
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """All swimmers at one step."""
+
+    position: np.ndarray  # (n, 3) float64, a, unwrapped
+    director: np.ndarray  # (n, 3) float64, unit
+    colloid: np.ndarray  # (n,) int32, the nearest; -1 in an empty field
+    image: np.ndarray  # (n, 3) int32, periodic image of that colloid
+    bound: np.ndarray  # (n,) bool, in an encounter
+    height: np.ndarray  # (n,) float64, a, above the colloid of the encounter, else above the nearest
+    pitch_sine: np.ndarray  # (n,) float64, of the pitch there
+
+
+@dataclass(frozen=True, eq=False)
+class HostState:
+    """Copies of the arrays of `swimmers.Swimmers`, and the field they live in."""
+
+    field: ObstacleField
+    real: np.ndarray  # (n_memory, n) rows of `real_rows`
+    int: np.ndarray  # (N_INTS, n) int32
+    long: np.ndarray  # (len(Long), n) int64
+
+    @classmethod
+    def placed(
+        cls, field: ObstacleField, position: np.ndarray, director: np.ndarray, law_of: np.ndarray, real: np.dtype
+    ) -> HostState:
+        """Swimmers at absolute `position` (n, 3) with unit `director` (n, 3), free, and waiting to be located."""
+        rows, d, n = real_rows(field.dimensions), field.dimensions, len(position)
+        state = cls(
+            field,
+            np.zeros((rows.n_memory, n), real),
+            np.zeros((N_INTS, n), np.int32),
+            np.full((len(Long), n), -1, np.int64),
+        )
+        colloid, image, _ = field.nearest(position)
+        state.int[Int.COLLOID], state.int[Int.IMAGE : Int.IMAGE + 3] = np.maximum(colloid, 0), image.T
+        state.int[Int.BOUND], state.int[Int.TOUCHED] = -1, -1
+        state.int[Int.EVENT], state.int[Int.SET] = int(Event.LOCATE), law_of
+        offset = position - state._center(Int.COLLOID, Int.IMAGE)
+        state.real[rows.x : rows.x + d] = offset.T[:d]
+        state.real[rows.rest : rows.rest + d] = offset.T[:d] - state.real[rows.x : rows.x + d].astype(np.float64)
+        state.real[rows.e : rows.e + d] = director.T[:d]
+        return state
+
+    def snapshot(self) -> Snapshot:
+        """Where all swimmers are, in absolute terms."""
+        rows, d = real_rows(self.field.dimensions), self.field.dimensions
+        position, director = self._center(Int.COLLOID, Int.IMAGE), np.zeros((self.int.shape[1], 3))
+        position[:, :d] += self.real[rows.x : rows.x + d].T.astype(np.float64) + self.real[rows.rest : rows.rest + d].T
+        director[:, :d] = self.real[rows.e : rows.e + d].T
+        bound = self.int[Int.PHASE] == int(Phase.BOUND)
+        r = position - np.where(
+            bound[:, None], self._center(Int.BOUND, Int.BOUND_IMAGE), self._center(Int.COLLOID, Int.IMAGE)
+        )
+        R = np.linalg.norm(r, axis=1)
+        empty = len(self.field.radii) == 0
+        colloid = np.full_like(self.int[Int.COLLOID], -1) if empty else self.int[Int.COLLOID]
+        host = np.where(bound, self.int[Int.BOUND], colloid)
+        height = np.full(len(R), np.inf) if empty else R - self.field.radii[host]
+        sine = np.einsum("ij,ij->i", r, director) / np.where(R > 0.0, R, 1.0)
+        return Snapshot(
+            position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound, height, sine
+        )
+
+    def open_rows(self, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows of the log (reals, integers, steps) for the encounters under way at `step`."""
+        rows, columns, d = real_rows(self.field.dimensions), log_columns(self.field.dimensions), self.field.dimensions
+        who = np.flatnonzero(self.int[Int.PHASE] == int(Phase.BOUND))
+        real, names, steps = (np.zeros((len(who), n), t) for n, t in
+                              ((columns.n_real, float), (N_LOG_INTS, np.int32), (len(LogLong), np.int64)))  # fmt: skip
+        shift = self._center(Int.COLLOID, Int.IMAGE) - self._center(Int.BOUND, Int.BOUND_IMAGE)
+        real[:, columns.exit_x : columns.exit_x + d] = self.real[rows.x : rows.x + d, who].T + shift[who, :d]
+        for column, row in ((columns.entry_x, rows.entry_x), (columns.entry_e, rows.entry_e), (columns.exit_e, rows.e)):
+            real[:, column : column + d] = self.real[row : row + d, who].T
+        for name in SCALARS:
+            real[:, getattr(columns, name)] = self.real[getattr(rows, name), who]
+        names[:, 0], names[:, 1:] = who, self.int[Int.BOUND : Int.BOUND + 4, who].T
+        for column, row in ((LogLong.START, Long.START), (LogLong.RELEASE, Long.RELEASE),
+                            (LogLong.PITCH, Long.PITCH), (LogLong.N_CONTACT, Long.N_CONTACT)):  # fmt: skip
+            steps[:, column] = self.long[row, who]
+        steps[:, LogLong.END] = step
+        return real, names, steps
+
+    def _center(self, colloid: Int, image: Int) -> np.ndarray:
+        """(n, 3) centres, in absolute terms, of the colloids that two sets of rows name."""
+        centers = self.field.centers if len(self.field.radii) else np.zeros((1, 3))
+        return np.asarray(centers[self.int[colloid]] + self.int[image : image + 3].T * self.field.box)

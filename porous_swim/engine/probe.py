@@ -1,0 +1,112 @@
+"""The engine's own functions on arrays: for tests, for placing swimmers, for curious users."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import numpy as np
+import taichi as ti
+
+from porous_swim.engine import backend
+from porous_swim.engine.medium import on_device
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.hydrodynamics import ImageDipole, NoHydrodynamics
+
+HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole}
+PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
+
+
+@cache
+def _drift_kernel(law: type, real: object):
+    drift = law.make_drift(real)
+    Vectors, Numbers = ti.types.ndarray(real, ndim=2), ti.types.ndarray(real, ndim=1)
+
+    @ti.kernel
+    def probe(x: Vectors, e: Vectors, A: Numbers, alpha: real, Gamma: real, velocity: Vectors, rate: Vectors):
+        for i in range(A.shape[0]):
+            r, d = ti.Vector([x[i, 0], x[i, 1], x[i, 2]]), ti.Vector([e[i, 0], e[i, 1], e[i, 2]])
+            u, w = drift(r, d, A[i], alpha, Gamma)
+            for k in ti.static(range(3)):
+                velocity[i, k], rate[i, k] = d[k] + u[k], w[k]
+
+    return probe
+
+
+@cache
+def _height_kernel(sphere: bool):
+    contact_height = HardContact.make_height(ti.f64, sphere)
+    Numbers = ti.types.ndarray(ti.f64, ndim=1)
+
+    @ti.kernel
+    def probe(s: Numbers, gamma: ti.f64, height: Numbers):
+        for i in range(s.shape[0]):
+            height[i] = contact_height(s[i], gamma)
+
+    return probe
+
+
+def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodynamics, precision):
+    """Velocity and director rate (n, 3), with the Bretherton constant given; see `drift`."""
+    if hydrodynamics not in HYDRODYNAMICS:
+        raise ValueError(f"hydrodynamics: expected one of {', '.join(HYDRODYNAMICS)}, found {hydrodynamics!r}")
+    if precision not in PRECISIONS:
+        raise ValueError(f"precision: expected f32 or f64, found {precision!r}")
+    backend.ensure_any()
+    real, dtype = PRECISIONS[precision]
+    x, e = (np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (offset, director))
+    x, e = np.broadcast_arrays(x, e)
+    if x.ndim != 2 or x.shape[1] != 3:
+        raise ValueError(
+            f"offset and director: expected shape (n, 3), found {np.shape(offset)} and {np.shape(director)}"
+        )
+    A = np.broadcast_to(np.asarray(radius, dtype=np.float64), (len(x),))
+    arrays = [on_device(np.array(a, dtype=dtype)) for a in (x, e, A)]
+    results = [on_device(np.zeros(x.shape, dtype)) for _ in range(2)]
+    _drift_kernel(HYDRODYNAMICS[hydrodynamics], real)(*arrays, dipole_strength, bretherton, *results)
+    velocity, rate = (array.to_numpy() for array in results)
+    return velocity, rate
+
+
+def drift(
+    offset, director, *, radius, dipole_strength, aspect_ratio=1.0, hydrodynamics="image_dipole", precision="f64"
+):
+    """Velocity (e + u) and rate of the director of swimmers near a sphere, by the engine's own functions.
+
+    Args:
+        offset: (n, 3) swimmer centres minus the sphere's centre, a.
+        director: (n, 3) unit vectors.
+        radius: of the sphere, a; a number or (n,).
+        dipole_strength: alpha.
+        aspect_ratio: gamma in (0, 1].
+        hydrodynamics: `image_dipole` or `none`.
+        precision: `f64` or `f32`.
+
+    Returns:
+        velocity (n, 3) in U and director rate (n, 3) in U/a. Source: Soft Matter 11, 3396 (2015), App. B.
+    """
+    squared = aspect_ratio * aspect_ratio
+    return drift_of(
+        offset, director, radius, dipole_strength=dipole_strength, bretherton=(1.0 - squared) / (1.0 + squared),
+        hydrodynamics=hydrodynamics, precision=precision,
+    )  # fmt: skip
+
+
+def contact_height(pitch, *, radius, aspect_ratio=1.0):
+    """Least height of a swimmer's centre above a sphere, a, at `pitch` (n,) rad; 1 for a spherical swimmer.
+
+    For rods the height above a plane, sqrt(sin^2 + gamma^2 cos^2): against a sphere of radius 20 it is 2 to 3 % high
+    at gamma = 0.25, so `radius` does not change it.
+    """
+    return height_at_sine(np.sin(np.asarray(pitch, dtype=np.float64)), np.asarray(radius), aspect_ratio=aspect_ratio)
+
+
+def height_at_sine(sine, radius, *, aspect_ratio):
+    """The same, at sines of the pitch; broadcast with `radius`."""
+    if not 0.0 < aspect_ratio <= 1.0:
+        raise ValueError(f"aspect_ratio: expected 0 < gamma <= 1, found {aspect_ratio!r}")
+    backend.ensure_any()
+    s, _ = np.broadcast_arrays(np.asarray(sine, dtype=np.float64), np.asarray(radius, dtype=np.float64))
+    if s.size == 0:
+        return np.zeros(s.shape)
+    result = on_device(np.zeros(s.size))
+    _height_kernel(aspect_ratio == 1.0)(on_device(np.array(s).ravel()), aspect_ratio, result)
+    return result.to_numpy().reshape(s.shape)

@@ -1,0 +1,119 @@
+"""The encounters of a run: rows of the device's log become columns of the encounter table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from porous_swim.engine.log import LogInt, LogLong, log_columns
+from porous_swim.obstacles.field import ObstacleField
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """Lengths of what ended since the last look."""
+
+    residence: np.ndarray  # (n,) a/U, of encounters
+    winding: np.ndarray  # (n,) turns, of the same
+    hop_time: np.ndarray  # (n,) a/U, of flights between two colloids
+
+
+class Records:
+    """Collects log rows in any order; the table does not depend on the order."""
+
+    def __init__(self, field: ObstacleField, time_step: float, n_swimmers: int) -> None:
+        self._field, self._time_step = field, time_step
+        self._columns = log_columns(field.dimensions)
+        self._real: list[np.ndarray] = []
+        self._int: list[np.ndarray] = []
+        self._long: list[np.ndarray] = []
+        self._censored: list[np.ndarray] = []
+        self._late: list[np.ndarray] = []  # (n, 3): swimmer, start, step of the escape pitch
+        self._last_end = np.full(n_swimmers, -1, np.int64)  # of each swimmer's latest logged encounter
+        self._last_host = np.zeros((n_swimmers, 4), np.int32)  # its colloid and image
+
+    def add(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray, *, censored: bool = False) -> Ended:
+        """Take rows of the log; `censored` are those of encounters still under way."""
+        late = long[:, LogLong.END] < 0
+        self._late.append(
+            np.stack([integer[late, LogInt.SWIMMER], long[late, LogLong.START], long[late, LogLong.PITCH]], axis=1)
+        )
+        keep = np.flatnonzero(~late)
+        keep = keep[np.lexsort((long[keep, LogLong.START], integer[keep, LogInt.SWIMMER]))]
+        real, integer, long = real[keep], integer[keep], long[keep]
+        for store, rows in ((self._real, real), (self._int, integer), (self._long, long)):
+            store.append(np.array(rows))
+        self._censored.append(np.full(len(keep), censored))
+        residence = (long[:, LogLong.END] - long[:, LogLong.START]) * self._time_step
+        return Ended(residence, real[:, self._columns.winding].astype(float), self._hop_times(integer, long))
+
+    def _hop_times(self, integer: np.ndarray, long: np.ndarray) -> np.ndarray:
+        """Times from the end of each swimmer's previous encounter, where that was with another colloid."""
+        who, host = integer[:, LogInt.SWIMMER], integer[:, LogInt.COLLOID :]
+        if len(who) == 0:
+            return np.zeros(0)
+        first = np.r_[True, who[1:] != who[:-1]]
+        before = np.where(first, self._last_end[who], np.r_[0, long[:-1, LogLong.END]])
+        host_before = np.where(first[:, None], self._last_host[who], np.r_[host[:1], host[:-1]])
+        last = np.r_[who[1:] != who[:-1], True]
+        self._last_end[who[last]], self._last_host[who[last]] = long[last, LogLong.END], host[last]
+        hopped = (before >= 0) & np.any(host != host_before, axis=1)
+        return (long[:, LogLong.START] - before)[hopped] * self._time_step
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The encounter table's columns, sorted by start time, then swimmer. Times in a/U, lengths in a."""
+        c, d = self._columns, self._field.dimensions
+        real = np.concatenate(self._real or [np.zeros((0, c.n_real))]).astype(np.float64)
+        integer = np.concatenate(self._int or [np.zeros((0, 5), np.int32)])
+        long = np.concatenate(self._long or [np.zeros((0, len(LogLong)), np.int64)])
+        censored = np.concatenate(self._censored or [np.zeros(0, bool)])
+        self._pass_late(integer, long)
+        order = np.lexsort((integer[:, LogInt.SWIMMER], long[:, LogLong.START]))
+        real, integer, long, censored = real[order], integer[order], long[order], censored[order]
+        time = {step: self._times(long[:, step]) for step in LogLong}
+        n_steps = long[:, LogLong.END] - long[:, LogLong.START]
+        center = self._field.centers[integer[:, LogInt.COLLOID]] + integer[:, LogInt.IMAGE :] * self._field.box
+        released = np.where(long[:, LogLong.RELEASE] >= 0, 1.0, np.nan)
+        # before the first step of an encounter has been booked its mean height is that of its entry
+        mean = np.where(n_steps > 0, real[:, c.height] / np.maximum(n_steps, 1), real[:, c.min_height])
+        columns = dict(
+            swimmer=integer[:, LogInt.SWIMMER], colloid=integer[:, LogInt.COLLOID],
+            start_time=time[LogLong.START], end_time=time[LogLong.END],
+            start_censored=np.zeros(len(long), bool), end_censored=censored,
+            contact_time=long[:, LogLong.N_CONTACT] * self._time_step, wall_push=real[:, c.push],
+            winding=real[:, c.winding], signed_winding=real[:, c.signed] if d == 2 else np.full(len(long), np.nan),
+            release_time=time[LogLong.RELEASE],
+            release_pitch=np.arcsin(np.clip(real[:, c.release_sine], -1, 1)) * released,
+            release_winding=real[:, c.release_winding] * released, escape_pitch_time=time[LogLong.PITCH],
+            min_height=real[:, c.min_height], mean_height=mean, max_height=real[:, c.max_height],
+        )  # fmt: skip
+        for axis, name in enumerate("xyz"):
+            columns[f"image_{name}"] = integer[:, LogInt.IMAGE + axis]
+        for end in ("entry", "exit"):
+            columns |= self._end(end, real, center)
+        return columns
+
+    def _end(self, end: str, real: np.ndarray, center: np.ndarray) -> dict[str, np.ndarray]:
+        """Position, director and pitch at the `entry` or the `exit`."""
+        d = self._field.dimensions
+        x, e = np.zeros_like(center), np.zeros_like(center)
+        first_x, first_e = getattr(self._columns, f"{end}_x"), getattr(self._columns, f"{end}_e")
+        x[:, :d], e[:, :d] = real[:, first_x : first_x + d], real[:, first_e : first_e + d]
+        R = np.linalg.norm(x, axis=1)
+        pitch = np.arcsin(np.clip(np.einsum("ij,ij->i", x, e) / np.where(R > 0.0, R, 1.0), -1.0, 1.0))
+        names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]
+        return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True))
+
+    def _times(self, steps: np.ndarray) -> np.ndarray:
+        return np.where(steps >= 0, steps * self._time_step, np.nan)
+
+    def _pass_late(self, integer: np.ndarray, long: np.ndarray) -> None:
+        """Give encounters the escape pitch that was passed after their end."""
+        late = np.concatenate(self._late or [np.zeros((0, 3), np.int64)])
+        if len(late) == 0:
+            return
+        key = integer[:, LogInt.SWIMMER].astype(np.int64), long[:, LogLong.START]
+        row_of = {pair: row for row, pair in enumerate(zip(key[0].tolist(), key[1].tolist(), strict=True))}
+        rows = [row_of[swimmer, start] for swimmer, start in late[:, :2].tolist()]
+        long[rows, LogLong.PITCH] = late[:, 2]

@@ -1,0 +1,140 @@
+"""Contact with every colloid, and which one is nearest: what the lanes, which know one colloid, cannot do."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.book import make_vectors
+from porous_swim.engine.state import Event, Int, LaneInt, Status, real_rows
+from porous_swim.engine.swimmers import image_of, put_image, same
+from porous_swim.obstacles.search import ivec3, make_between, make_search
+
+MAX_PROJECTIONS = 8
+MAX_IMAGE = 2**30
+
+
+@cache
+def make_project(real):
+    """Return `on_sphere` and `on_circle`, which put a point on one contact sphere or on two at once."""
+
+    @ti.func
+    def on_sphere(y, c, radius):
+        v = y - c
+        return c + v * (radius / ti.sqrt(v.dot(v)))
+
+    @ti.func
+    def on_circle(y, c, radius, c1, radius1):
+        """The point nearest to y on both spheres; on the first one where they do not meet."""
+        d = c1 - c
+        rho = d.dot(d)
+        a = real(0.5) * (rho + radius * radius - radius1 * radius1) / rho
+        v = y - c
+        v -= v.dot(d) / rho * d
+        square = radius * radius - a * a * rho
+        out = v.dot(v)
+        meet = (square > real(0.0)) & (out > real(0.0))
+        return ti.select(meet, c + a * d + v * ti.sqrt(ti.max(square, real(0.0)) / out), on_sphere(y, c, radius))
+
+    return on_sphere, on_circle
+
+
+@cache
+def make_resolve(real, dimensions: int, contact_height, sphere: bool):
+    """Return `resolve(medium, k, image, y, y_old, e, e_old, gamma, tolerance) -> y, e, found`.
+
+    `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
+    tolerance it is put on that colloid's contact sphere, or, when it goes back and forth between two, on the circle
+    where both contact spheres meet (in the plane, the point). After 8 tries it stays where and as it was.
+    `found` is the result of the search at the place where it ends.
+    """
+    between = make_between(real, dimensions)
+    search = make_search(real, dimensions, contact_height, sphere)
+    on_sphere, on_circle = make_project(real)
+
+    @ti.func
+    def resolve(medium: ti.template(), k, image, y, y_old, e, e_old, gamma, tolerance):
+        last, last_image, before, before_image = -1, ivec3(0), -1, ivec3(0)
+        c_last, radius_last = real(0.0) * y, real(0.0)
+        found = search.empty()
+        tries, inside = 0, True
+        while inside:
+            found = search.run(medium, k, image, y, e, gamma)
+            inside = (found.depth > tolerance) & (tries <= MAX_PROJECTIONS)
+            if inside:
+                j, image_j = found.deep, found.deep_image
+                c = between(medium, k, image, j, image_j)
+                v = y - c
+                radius = medium.radius[j] + contact_height(v.dot(e) / ti.sqrt(v.dot(v)), gamma)
+                back = same(j, image_j, before, before_image)
+                y = ti.select(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
+                y, e = ti.select(tries == MAX_PROJECTIONS, y_old, y), ti.select(tries == MAX_PROJECTIONS, e_old, e)
+                before, before_image = last, last_image
+                last, last_image, c_last, radius_last = j, image_j, c, radius
+            tries += 1
+        return y, e, found
+
+    return resolve
+
+
+@cache
+def make_settle(real, dimensions: int, contact_height, sphere: bool):
+    """Return `settle(f, n, j, i, swimmers, medium, rules)`, which ends the trial move of lane j (swimmer i).
+
+    The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
+    is set anew: half of the lead of the nearest surface, so that no other can be nearer within it.
+    """
+    rows = real_rows(dimensions)
+    get, put = make_vectors(dimensions)
+    between = make_between(real, dimensions)
+    resolve = make_resolve(real, dimensions, contact_height, sphere)
+
+    @ti.func
+    def push_off(f: ti.template(), j, y, z):
+        """Book the part of a projection that leads away from the colloid of the encounter."""
+        moved, r = z - y, z + get(f, rows.bound_offset, j)
+        if moved.dot(moved) > real(0.0):
+            put(f, rows.trial_rest, j, real(0.0) * y)
+            f[rows.trial_push, j] += ti.max(real(0.0), moved.dot(r) / ti.sqrt(r.dot(r)))
+
+    @ti.func
+    def set_budget(f: ti.template(), j, y, found, margin):
+        budget = real(0.5) * (found.second - found.first)
+        if ti.static(not sphere):  # the second nearest may stop a rod that the nearest lets pass
+            budget = ti.min(budget, found.second - real(1.0))
+        budget = ti.max(real(0.0), budget - margin)
+        f[rows.budget, j] = budget * budget
+        put(f, rows.reference, j, y)
+
+    @ti.func
+    def stop(n: ti.template(), j, i, swimmers: ti.template(), status: ti.template()):
+        swimmers.int[int(Int.STATUS), i] = int(status)
+        n[Int.EVENT, j] = int(Event.HALT)
+
+    @ti.func
+    def settle(
+        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), rules: ti.template()
+    ):
+        x, y, e = get(f, rows.x, j), get(f, rows.trial_x, j), get(f, rows.trial_e, j)
+        finite = (y.dot(y) < real(1e30)) & (e.dot(e) < real(1e30))
+        if ~finite:
+            stop(n, j, i, swimmers, Status.NOT_FINITE)
+        else:
+            k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+            z, d, found = resolve(medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance)
+            push_off(f, j, y, z)
+            if not same(k, image, found.near, found.image):
+                shift = between(medium, found.near, found.image, k, image)
+                z += shift
+                put(f, rows.x, j, x + shift)
+                swimmers.int[int(Int.COLLOID), i] = found.near
+                put_image(swimmers, int(Int.IMAGE), i, found.image)
+            set_budget(f, j, z, found, rules.margin)
+            put(f, rows.trial_x, j, z)
+            put(f, rows.trial_e, j, d)
+            n[LaneInt.TOUCH, j] = ti.cast(found.depth >= -rules.tolerance, ti.i32)
+            for axis in ti.static(range(3)):
+                if ti.abs(found.image[axis]) > MAX_IMAGE:
+                    stop(n, j, i, swimmers, Status.OUTSIDE)
+
+    return settle

@@ -1,0 +1,132 @@
+"""What the device keeps of each swimmer, and how the lanes of a block hold it."""
+
+from __future__ import annotations
+
+from enum import IntEnum, IntFlag
+from functools import cache
+from types import SimpleNamespace
+
+
+class Status(IntEnum):
+    """Why a swimmer stopped; anything but OK ends the run."""
+
+    OK = 0
+    NOT_FINITE = 1
+    OUTSIDE = 2
+
+
+class Phase(IntEnum):
+    """Where a swimmer stands in its life of encounters."""
+
+    FREE = 0
+    BOUND = 1
+    LEFT = 2  # its encounter has ended, its first passage of the escape pitch is still awaited
+
+
+class Event(IntFlag):
+    """What a lane waits for the scalar pass to do. A lane moves only while it waits for nothing."""
+
+    LOCATE = 1  # find the nearest colloid of a newly placed swimmer
+    FINISH = 2  # the budget is spent: resolve contact with every colloid, search, book the step
+    CONTACT = 4  # touches a colloid that is news to it
+    ESCAPE = 8  # above the escape height
+    PITCH = 16  # first passage of the escape pitch
+    ORIENT = 32  # its relations to the colloids around it are out of date
+    HALT = 64  # status is not OK: never moves again
+
+
+class Int(IntEnum):
+    """Rows of 32-bit integers. The first three live in memory and in the lanes."""
+
+    STEP = 0  # steps since the first of this launch
+    EVENT = 1
+    PHASE = 2
+    # in memory only
+    COLLOID = 3  # the nearest, from which the offset is measured
+    IMAGE = 4  # its periodic image, three rows
+    BOUND = 7  # the colloid of the present or latest encounter; -1 before the first
+    BOUND_IMAGE = 8
+    TOUCHED = 11  # another colloid touched during the encounter, the last such; -1 if none
+    TOUCHED_IMAGE = 12
+    STATUS = 15
+    SET = 16  # row of the table of parameter sets
+
+
+class LaneInt(IntEnum):
+    """Rows of 32-bit integers that only the lanes have, behind their copies of the first rows of `Int`."""
+
+    OWN = 3  # the nearest colloid is that of the encounter
+    WATCH_CONTACT = 4  # contact with the nearest colloid is news
+    WATCH_PITCH = 5  # the escape pitch has not been passed yet
+    TOUCH = 6  # the trial move ends at the wall of the nearest colloid
+    N_CONTACT = 7  # steps in contact, of this launch
+    RELEASE = 8  # step after which the wall was last touched, of this launch; -1 if none
+
+
+class Long(IntEnum):
+    """Rows of 64-bit integers, in memory only: steps since the start of the run, -1 for never."""
+
+    START = 0
+    RELEASE = 1
+    PITCH = 2
+    N_CONTACT = 3
+
+
+class Total(IntEnum):
+    """Counters over all swimmers."""
+
+    CAPTURES = 0
+    ESCAPES = 1
+    HOPS = 2
+    RETURNS = 3
+    LOGGED = 4  # rows asked of the log since it was drained
+    FINISHED = 5  # lanes that reached the last step of this launch
+    HALTED = 6
+
+
+N_SHARED_INTS = 3
+N_INTS = 17  # rows of `Int`, images taking three
+
+
+class Law(IntEnum):
+    """Columns of the table of parameter sets."""
+
+    ALPHA = 0
+    BRETHERTON = 1
+    KICK = 2  # sqrt(2 D dt)
+    TURN = 3  # sqrt(2 D_r dt)
+    GAMMA = 4
+    ESCAPE_SINE = 5  # of the escape pitch; above 1: never; below -1: the lift-off pitch of each colloid
+
+
+@cache
+def real_rows(dimensions: int) -> SimpleNamespace:
+    """Row numbers of the real arrays; `x` names the first of `dimensions` rows.
+
+    The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
+    in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
+    """
+    rows = SimpleNamespace()
+
+    def number(start: int, vectors: str, scalars: str) -> int:
+        for name in vectors.split():
+            setattr(rows, name, start)
+            start += dimensions
+        for name in scalars.split():
+            setattr(rows, name, start)
+            start += 1
+        return start
+
+    rows.n_shared = number(
+        0,
+        "x rest e reference",
+        "budget winding winding_rest signed signed_rest push push_rest height height_rest "
+        "min_height max_height release_sine release_winding escape_sine",
+    )
+    rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
+    rows.n_lanes = number(
+        rows.n_shared,
+        "bound_offset trial_x trial_rest trial_e",
+        "A bound_A alpha bretherton kick turn gamma trial_push",
+    )
+    return rows

@@ -1,0 +1,52 @@
+"""The state of all swimmers and the numbers of the run, as kernel arguments."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from typing import Any, NamedTuple
+
+import taichi as ti
+
+from porous_swim.obstacles.search import ivec3
+
+
+class Swimmers(NamedTuple):
+    """The state of all swimmers; rows in `state`."""
+
+    real: Any  # (n_memory, n_swimmers)
+    int: Any  # (len(Int) and image rows, n_swimmers) i32
+    long: Any  # (len(Long), n_swimmers) i64
+    law: Any  # (n_sets, len(Law)) real
+    total: Any  # (len(Total),) i64
+
+
+class Rules(NamedTuple):
+    """Numbers of the run."""
+
+    dt: Any
+    escape_height: Any
+    contact_band: Any
+    tolerance: Any  # depth of a contact that is taken as rounding
+    margin: Any  # rounding of the distances that make a budget
+    first: Any  # i64, the step before this launch
+    first_low: Any  # u32
+    first_high: Any
+    key0: Any
+    key1: Any
+
+
+@ti.func
+def image_of(swimmers: ti.template(), row: ti.template(), i):
+    """The periodic image in three rows of swimmer i."""
+    return ivec3(swimmers.int[row, i], swimmers.int[row + 1, i], swimmers.int[row + 2, i])
+
+
+@ti.func
+def put_image(swimmers: ti.template(), row: ti.template(), i, image):
+    """Store a periodic image in three rows of swimmer i."""
+    for d in ti.static(range(3)):
+        swimmers.int[row + d, i] = image[d]
+
+
+@ti.func
+def same(k, image, j, image_j):
+    """Whether two colloids, images included, are one. (`&`: a short-circuiting `and` would compile to branches.)"""
+    return (k == j) & (image[0] == image_j[0]) & (image[1] == image_j[1]) & (image[2] == image_j[2])

@@ -1,0 +1,60 @@
+"""What an observer sees of a run, and when it wants to look."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+FREE, BOUND, CONTACT = 0, 1, 2  # states of a swimmer: in no encounter; above the contact band; in contact
+
+
+@dataclass(frozen=True)
+class Every:
+    """Stateless schedule: the steps that are multiples of `period`. Safe to share and to resume."""
+
+    period: int
+
+    def next_step(self, step: int) -> int:
+        """The first scheduled step after `step`."""
+        return (step // self.period + 1) * self.period
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How often each event has happened since the start, over all swimmers."""
+
+    n_captures: int
+    n_escapes: int
+    n_hops: int
+    n_returns: int
+
+
+@dataclass(frozen=True)
+class Frame:
+    """All swimmers at one step. Arrays are the observer's own copies."""
+
+    step: int
+    time: float  # a/U
+    position: np.ndarray  # (n_swimmers, 3) float64, a, unwrapped
+    director: np.ndarray  # (n_swimmers, 3) float64, unit
+    colloid: np.ndarray  # (n_swimmers,) int32, the nearest; -1 where the field is empty
+    image: np.ndarray  # (n_swimmers, 3) int32, periodic image of that colloid
+    state: np.ndarray  # (n_swimmers,) uint8: FREE, BOUND or CONTACT
+    counts: Counts
+    residence: np.ndarray  # (n,) float64, a/U: lengths of the encounters that ended since the last frame
+    winding: np.ndarray  # (n,) float64, turns: of those encounters
+    hop_time: np.ndarray  # (n,) float64, a/U: lengths of the flights (hops) that ended since the last frame
+
+
+class Observer(Protocol):
+    """Looks at a run at its scheduled steps (and at step 0 and the last step). Never changes it."""
+
+    schedule: Every
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame; frames come in order of time."""
+
+    def finish(self, *, interrupted: bool) -> None:
+        """Close what is open. Called once, also after an interrupt or an error."""

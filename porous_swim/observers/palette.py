@@ -1,0 +1,20 @@
+"""Colours and names of everything that a recording shows.
+
+The colour-blind safe set of Okabe and Ito (2008): told apart on a dark ground and in the plots' white one.
+"""
+
+from __future__ import annotations
+
+from porous_swim.observers.base import BOUND, CONTACT, FREE
+
+STATE_NAMES = {FREE: "free", BOUND: "bound", CONTACT: "in contact"}
+STATE_COLORS = {FREE: (86, 180, 233), BOUND: (240, 228, 66), CONTACT: (213, 94, 0)}
+
+HOP_COLOR = (0, 158, 115)
+RETURN_COLOR = (204, 121, 167)
+MSD_COLOR = (230, 159, 0)
+DIRECTOR = (236, 236, 240)  # not the state's: an arrow must be seen on its own swimmer
+
+GROUND = (16, 18, 22)
+COLLOID = (150, 158, 178)
+DOMAIN = (112, 118, 130)

@@ -1,0 +1,179 @@
+"""The recording of a run: a Rerun file to look at. The tables of the run are for science.
+
+Lengths in a, times in a/U. Positions are wrapped into the periodic box and in single precision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+
+from porous_swim.errors import RunError
+from porous_swim.observers.base import Every, Frame
+from porous_swim.observers.blueprint import Layout
+from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_world
+from porous_swim.observers.statistics import HistogramTrack, SeriesTrack
+from porous_swim.observers.stream import RecordingFile
+from porous_swim.observers.summary_page import SummaryPage
+from porous_swim.observers.swimmers import SwimmerTrack
+from porous_swim.observers.view import Scenery
+from porous_swim.obstacles.field import ObstacleField
+
+LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
+# measured, a row of one frame: position and state; of a trail: also director, segment and a second point
+_SWIMMER_BYTES, _TRAIL_BYTES = 12.9, 67.0
+
+
+def recording_size(*, n_frames: int, n_swimmers: int, n_trails: int) -> float:
+    """Expected size of a recording, in bytes."""
+    return n_frames * (_SWIMMER_BYTES * n_swimmers + _TRAIL_BYTES * n_trails)
+
+
+def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int) -> str | None:
+    """One sentence where a recording would be larger than `LARGE_RECORDING`, else None."""
+    size = recording_size(n_frames=n_frames, n_swimmers=n_swimmers, n_trails=n_trails)
+    if size <= LARGE_RECORDING:
+        return None
+    return (
+        f"the recording will take about {size / 1e6:.0f} MB ({n_swimmers:,} swimmers, {n_frames:,} frames): "
+        f"lower record.swimmers or raise record.every to stay under {LARGE_RECORDING / 1e6:.0f} MB"
+    )
+
+
+class Recording:
+    """Writes `path` while the run goes on, under the name with `.part` appended until `finish`.
+
+    `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; `n_steps`
+    is the length that the run is meant to have, `swimmer_radius` the semi-minor axis. `units` are the length
+    a in um and the time a/U in s. `RunError` where the file cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        schedule: Every,
+        field: ObstacleField,
+        *,
+        name: str,
+        description: str,
+        recording_id: str,
+        time_step: float,
+        n_steps: int,
+        swimmer_radius: float,
+        swimmers: np.ndarray,
+        trails: np.ndarray,
+        provenance: Mapping[str, object],
+        units: tuple[float, float] | None = None,
+    ) -> None:
+        self.schedule = schedule
+        self._path, self._field, self._id, self._provenance = Path(path), field, recording_id, provenance
+        self._time_step, self._n_steps, self._radius = time_step, n_steps, swimmer_radius
+        self._swimmers, self._trails = (
+            np.asarray(swimmers, dtype=np.int64),
+            np.asarray(trails, dtype=np.int64),
+        )
+        length, time = units or (None, None)
+        self._page = SummaryPage(name, description, field, len(self._swimmers), length, time)
+        self._file: RecordingFile | None = None
+        self._last: Frame | None = None
+        self._start: np.ndarray | None = None  # (n_recorded, 3)
+        self._results: str | None = None
+        self._visited: set[int] = set()
+        self._failed = False
+        self._finished = False
+
+    def set_summary(self, markdown: str) -> None:
+        """Tables of results for the page of text; to be given before `finish`."""
+        self._results = markdown
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame; the first one opens the file."""
+        try:
+            if self._file is None:
+                self._open(frame)
+            self._swimmer_track.observe(frame)
+            self._series.observe(frame)
+            self._histograms.observe(frame)
+        except RunError:
+            self._failed = True
+            raise
+        self._last = frame
+        if self._crowded:
+            self._visited |= set(frame.colloid[self._trails].tolist()) - {-1}
+
+    def finish(self, *, interrupted: bool) -> None:
+        """Send what waits, write the page of text, close and check the file, and give it its name."""
+        if self._file is None or self._last is None or self._failed or self._finished:
+            return
+        self._finished = True
+        step, time = self._last.step, self._last.time
+        self._swimmer_track.send()
+        self._series.send()
+        self._histograms.draw(step=step, time=time)
+        if self._crowded and len(self._trails):
+            log_translucent(
+                self._file,
+                "world/visited",
+                self._field,
+                which=np.array(sorted(self._visited)[:MAX_TRANSLUCENT]),
+            )
+        if interrupted:
+            status = f"**Interrupted** at step {step:,} of {self._n_steps:,} (time {time:g} a/U)."
+            self._say(f"interrupted at step {step} of {self._n_steps}", "WARN", self._last)
+        else:
+            status = f"Finished: {step:,} steps of {self._time_step:g} a/U."
+            self._say(f"finished at step {step}", "INFO", self._last)
+        self._write_page(self._page.text(self._last, status=status, results=self._results))
+        self._file.stream.send_blueprint(self._layout(self._last).blueprint(), make_active=False)
+        self._file.close()
+
+    @property
+    def _crowded(self) -> bool:
+        return len(self._field.centers) > MAX_TRANSLUCENT
+
+    def _open(self, frame: Frame) -> None:
+        self._start = frame.position[self._swimmers]
+        layout = self._layout(frame)
+        self._file = file = RecordingFile(self._path, recording_id=self._id, blueprint=layout.blueprint())
+        file.describe(self._page.name, self._provenance)
+        log_world(file, self._field)
+        self._swimmer_track = SwimmerTrack(
+            file,
+            swimmers=self._swimmers,
+            trails=self._trails,
+            box=self._field.box,
+            radius=layout.scenery.drawn_radius(self._radius),
+        )
+        self._series = SeriesTrack(file)
+        n_frames = self._n_steps // self.schedule.period + 1
+        self._histograms = HistogramTrack(file, time_step=self._time_step, n_frames=n_frames)
+        self._write_page(
+            self._page.text(frame, status="*Cut short: the run was under way when this was written.*")
+        )
+        self._say(f"started: {len(frame.state)} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
+        file.flush()
+
+    def _layout(self, frame: Frame) -> Layout:
+        # around colloids, show these and the release; else wherever the swimmers went
+        start = self._start if self._start is not None else frame.position[self._swimmers]
+        return Layout(
+            scenery=Scenery.of(
+                self._field, start if len(self._field.centers) else frame.position[self._swimmers]
+            ),
+            duration=max(self._n_steps * self._time_step, frame.time),
+            periodic=self._field.periodic,
+            has_colloids=len(self._field.centers) > 0,
+            has_trails=len(self._trails) > 0,
+            has_faint_colloids=self._crowded,
+        )
+
+    def _write_page(self, text: str) -> None:
+        assert self._file is not None
+        self._file.log("summary", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+
+    def _say(self, text: str, level: str, frame: Frame) -> None:
+        assert self._file is not None
+        self._file.log_at("log", rr.TextLog(text, level=level), step=frame.step, time=frame.time)

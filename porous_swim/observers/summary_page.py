@@ -1,0 +1,54 @@
+"""The page of text that a recording opens with, in Markdown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from porous_swim.observers.base import CONTACT, FREE, Frame
+from porous_swim.obstacles.field import ObstacleField
+
+
+@dataclass(frozen=True)
+class SummaryPage:
+    """What a run is, and how far it came."""
+
+    name: str
+    description: str
+    field: ObstacleField
+    n_recorded: int
+    unit_length: float | None  # um in a
+    unit_time: float | None  # s in a/U
+
+    def text(self, frame: Frame, *, status: str, results: str | None = None) -> str:
+        """The page as of `frame`; `results` are tables in Markdown that replace the page's own counts."""
+        parts = [
+            f"## {self.name}",
+            self.description.strip(),
+            status,
+            results or self._table(frame),
+            self._units(),
+        ]
+        return "\n\n".join(part for part in parts if part) + "\n"
+
+    def _table(self, frame: Frame) -> str:
+        n_swimmers, n_colloids = len(frame.state), len(self.field.centers)
+        rows = [("swimmers", f"{n_swimmers:,}"), ("of these recorded", f"{self.n_recorded:,}")]
+        if n_colloids:
+            counts = frame.counts
+            rows += [
+                ("colloids", f"{n_colloids:,}"),
+                ("fraction bound", f"{np.mean(frame.state != FREE):.3f}"),
+                ("fraction in contact", f"{np.mean(frame.state == CONTACT):.3f}"),
+                ("captures, escapes", f"{counts.n_captures:,}, {counts.n_escapes:,}"),
+                ("hops, returns", f"{counts.n_hops:,}, {counts.n_returns:,}"),
+            ]
+        body = "\n".join(f"| {label} | {value} |" for label, value in rows)
+        return f"| at time {frame.time:g} a/U | |\n|---|---:|\n{body}"
+
+    def _units(self) -> str:
+        text = "Lengths in swimmer half-lengths *a*, times in *a/U*; the time line prints that unit as s."
+        if self.unit_length is not None and self.unit_time is not None:
+            text += f" Here *a* = {self.unit_length:g} µm and *a/U* = {self.unit_time:g} s."
+        return text

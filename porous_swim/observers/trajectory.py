@@ -1,0 +1,99 @@
+"""Where the recorded swimmers were, as a table. Lengths in a, times in a/U; positions unwrapped."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from porous_swim.errors import RunError
+from porous_swim.observers.base import Every, Frame
+from porous_swim.results import TRAJECTORY_SCHEMA, TableInfo
+
+_GROUP_ROWS = 1 << 17  # in a row group: 11 MB, large enough to compress, small enough to hold
+
+
+class Trajectory:
+    """A row per frame and swimmer of `swimmers` (ids), in that order; columns of `TRAJECTORY_SCHEMA`.
+
+    With a `path` rows go to disk as they come, under the name with `.rows.part` appended until `table`;
+    without one they stay in memory. `RunError` where the file cannot be written.
+    """
+
+    def __init__(self, schedule: Every, *, swimmers: np.ndarray, path: Path | str | None = None) -> None:
+        self.schedule = schedule
+        self._swimmers = np.asarray(swimmers, dtype=np.int32)
+        self._path = None if path is None else Path(path)
+        self._batches: list[pa.RecordBatch] = []
+        self._n_waiting = 0
+        self._writer: pq.ParquetWriter | None = None
+        self._failed = False
+        if self._path is not None:
+            self._rows_path = self._path.with_name(self._path.name + ".rows.part")
+            try:
+                self._writer = _writer(self._rows_path, TRAJECTORY_SCHEMA)
+            except OSError as error:
+                raise self._failure(error) from None
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame; write a row group when it is full."""
+        self._batches.append(_rows(frame, self._swimmers))
+        self._n_waiting += len(self._swimmers)
+        if self._writer is not None and self._n_waiting >= _GROUP_ROWS:
+            self._write()
+
+    def finish(self, *, interrupted: bool) -> None:
+        """Write the rows that wait; an interrupted run keeps all rows up to its end."""
+        if self._writer is not None and not self._failed:
+            self._write()
+
+    def table(self, info: TableInfo) -> pa.Table:
+        """All rows, with `info` attached; with a path, close the file and give it its name. Call it once."""
+        if self._path is None:
+            return info.attach(pa.Table.from_batches(self._batches, schema=TRAJECTORY_SCHEMA))
+        assert self._writer is not None
+        schema = info.attach(TRAJECTORY_SCHEMA.empty_table()).schema
+        part = self._path.with_name(self._path.name + ".part")
+        try:
+            self._writer.close()
+            # the schema stands at the front of a file, and the time of the last row is known only now: copy
+            with pq.ParquetFile(self._rows_path) as rows, _writer(part, schema) as complete:
+                for group in range(rows.num_row_groups):
+                    complete.write_table(rows.read_row_group(group).cast(schema))
+            os.replace(part, self._path)
+            self._rows_path.unlink()
+            return info.attach(pq.read_table(self._path, memory_map=True))
+        except OSError as error:
+            raise self._failure(error) from None
+
+    def _write(self) -> None:
+        assert self._writer is not None
+        if not self._batches:
+            return
+        try:
+            self._writer.write_table(pa.Table.from_batches(self._batches), row_group_size=_GROUP_ROWS)
+        except OSError as error:
+            raise self._failure(error) from None
+        self._batches, self._n_waiting = [], 0
+
+    def _failure(self, error: OSError) -> RunError:
+        self._failed = True
+        return RunError(f"{self._path}: the trajectory cannot be written: {error.strerror or error}")
+
+
+def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
+    return pq.ParquetWriter(path, schema, compression="zstd")
+
+
+def _rows(frame: Frame, swimmers: np.ndarray) -> pa.RecordBatch:
+    columns: dict[str, np.ndarray] = {"time": np.full(len(swimmers), frame.time), "swimmer": swimmers}
+    vectors = {"x y z": frame.position, "ex ey ez": frame.director, "image_x image_y image_z": frame.image}
+    for names, array in vectors.items():
+        columns.update(zip(names.split(), array[swimmers].T.copy(), strict=True))
+    columns.update(colloid=frame.colloid[swimmers], state=frame.state[swimmers])
+    # pyarrow may keep a reference to an array: indexing and .copy() above made each its own
+    arrays = [pa.array(columns[field.name], type=field.type) for field in TRAJECTORY_SCHEMA]
+    return pa.RecordBatch.from_arrays(arrays, schema=TRAJECTORY_SCHEMA)

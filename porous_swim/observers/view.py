@@ -1,0 +1,65 @@
+"""Where the camera stands, and how large things are drawn. Lengths in a."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from porous_swim.obstacles.field import ObstacleField
+
+_MARGIN = 1.15  # of the size that fits exactly
+_HALF_VIEW = np.tan(np.radians(55.0) / 2.0)  # Rerun's vertical field of view
+_MIN_DOT = 1.0 / 400.0  # of the scene's size: the smallest swimmer that is still seen as a dot
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """The part of space worth looking at: a box around what happens."""
+
+    lower: np.ndarray  # (3,)
+    upper: np.ndarray  # (3,)
+    dimensions: int
+
+    @classmethod
+    def of(cls, field: ObstacleField, position: np.ndarray) -> Scenery:
+        """The box of a periodic field; else what holds the colloids and most of the `position`s, (n, 3)."""
+        radii = field.radii[:, None]
+        most = np.quantile(position, [0.05, 0.95], axis=0) if len(position) else np.zeros((0, 3))
+        corners = np.concatenate([field.centers - radii, field.centers + radii, most, np.zeros((1, 3))])
+        repeats = field.box > 0.0
+        lower = np.where(repeats, 0.0, corners.min(axis=0))
+        upper = np.where(repeats, field.box, corners.max(axis=0))
+        if not np.any(repeats):  # room for what leaves
+            margin = 0.2 * float(np.max(upper - lower)) + 2.0
+            lower, upper = lower - margin, upper + margin
+        return cls(lower, upper, field.dimensions)
+
+    @property
+    def center(self) -> np.ndarray:
+        """The middle, (3,)."""
+        center: np.ndarray = 0.5 * (self.lower + self.upper)
+        return center
+
+    @property
+    def size(self) -> float:
+        """The longest edge."""
+        return float(np.max(self.upper - self.lower))
+
+    def eye(self) -> tuple[np.ndarray, np.ndarray]:
+        """Position of the camera and its upward direction, each (3,).
+
+        A plane is seen from above, leaning a little so that spheres look round; space from a corner.
+        """
+        if self.dimensions == 2:
+            edges = (self.upper - self.lower)[:2]
+            direction, up = np.array([0.0, -0.07, 1.0]), np.array([0.0, 1.0, 0.0])
+            distance = 0.5 * float(np.max(edges)) / _HALF_VIEW
+        else:
+            direction, up = np.array([0.55, -0.85, 0.5]), np.array([0.0, 0.0, 1.0])
+            distance = 0.46 * float(np.linalg.norm(self.upper - self.lower)) / _HALF_VIEW
+        return self.center + _MARGIN * distance * direction / np.linalg.norm(direction), up
+
+    def drawn_radius(self, swimmer_radius: float) -> float:
+        """Radius at which a swimmer is drawn: its own, or that of the smallest visible dot."""
+        return max(swimmer_radius, _MIN_DOT * self.size)

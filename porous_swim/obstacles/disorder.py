@@ -1,0 +1,133 @@
+"""Colloids at random: one by one, or packed densely."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
+from porous_swim.obstacles.field import ObstacleField, bulk
+from porous_swim.obstacles.insertion import insert
+from porous_swim.obstacles.overlaps import checked_field
+from porous_swim.parts import KeyedError, Length, Part, Radii, Whole
+
+Fractions = Annotated[tuple[Annotated[float, Field(gt=0.0)], ...], Field(min_length=1)]
+
+
+class Disorder(Part):
+    """Colloids without order; two of `count`, `packing_fraction` and `domain.size` give the third."""
+
+    radius: Radii
+    """Radius of the colloids, or a list of radii."""
+    fractions: Fractions | None = None
+    """Share of the colloids that has each radius; they are scaled to a sum of 1. Left out: equal shares."""
+    count: Annotated[Whole, Field(gt=0, le=MOST_COLLOIDS)] | None = None
+    """Number of colloids."""
+    packing_fraction: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    """Share of the volume (area in 2-D) in colloids; with `domain.size` as near as a whole count comes."""
+    min_gap: Annotated[Length, Field(ge=0.0)] = 0.0
+    """Least distance between two surfaces. A swimming sphere passes where it is 2 or more."""
+
+    def check(self, domain: Domain) -> None:
+        """Raise a `KeyedError` unless exactly two of count, packing_fraction and domain.size are given."""
+        given = [self.count is not None, self.packing_fraction is not None, domain.size is not None]
+        if sum(given) != 2:
+            names = ("count", "packing_fraction", "domain.size")
+            found = " and ".join(name for name, there in zip(names, given, strict=True) if there) or "none"
+            message = "expected two of count, packing_fraction and domain.size"
+            raise KeyedError("obstacles", f"{message}, found {found if sum(given) < 3 else 'all three'}")
+        if self.fractions is not None and len(self.fractions) != len(self.radius):
+            message = f"expected as many as there are radii ({len(self.radius)}), found {len(self.fractions)}"
+            raise KeyedError("obstacles.fractions", message)
+        if domain.size is not None:
+            domain.sized_box()
+
+    def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
+        """Return a field that differs with `rng`. An open one is cut out of a periodic one."""
+        self.check(domain)
+        radii, box = self._radii_and_box(domain)
+        centers = np.zeros((len(radii), 3))
+        centers[:, : domain.dimensions] = self._centers(radii + 0.5 * self.min_gap, box[: domain.dimensions], rng)
+        if not domain.periodic:
+            box = np.zeros(3)
+        return checked_field(centers, radii, box=box, dimensions=domain.dimensions, key="obstacles")
+
+    def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        raise NotImplementedError
+
+    def _radii_and_box(self, domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+        """Return radii (n,), the largest first, and the edges (3,) of the box."""
+        d = domain.dimensions
+        shares = np.array(self.fractions or (1.0,) * len(self.radius))
+        shares /= shares.sum()
+        count = self.count
+        if count is None:
+            assert self.packing_fraction is not None
+            mean = float(shares @ bulk(np.array(self.radius), d))
+            count = round(self.packing_fraction * float(np.prod(domain.sized_box()[:d])) / mean)
+            if not 0 < count <= MOST_COLLOIDS:
+                message = f"expected 1 to {MOST_COLLOIDS} colloids in the box, found {count}"
+                raise KeyedError("obstacles.packing_fraction", message)
+        radii = np.sort(np.repeat(np.array(self.radius), _apportion(count, shares)))[::-1].copy()
+        if domain.size is not None:
+            box = domain.sized_box()
+        else:
+            box = np.zeros(3)
+            box[:d] = (bulk(radii, d).sum() / self.packing_fraction) ** (1.0 / d)
+        shortest = 2.0 * radii[0] + self.min_gap
+        if box[:d].min() < shortest:
+            message = f"a colloid of radius {radii[0]:g} overlaps its own image in a box of {box[:d].min():g}"
+            raise KeyedError("obstacles", f"{message}: expected at least {shortest:g}")
+        return radii, box
+
+
+class Random(Disorder):
+    """Spheres put down one by one where there is room (random sequential addition), the largest first."""
+
+    layout: Literal["random"]
+
+    def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        centers = insert(radii, box, rng)
+        if len(centers) < len(radii):
+            share = bulk(radii, len(box)).sum() / np.prod(box)
+            raise KeyedError(
+                "obstacles",
+                f"only {len(centers)} of {len(radii)} colloids found room (fraction {share:.3g} with gaps): "
+                "give fewer, a larger domain.size, or the layout packing",
+            )
+        return centers
+
+
+class Packing(Disorder):
+    """A random packing of moving, growing spheres (Lubachevsky, Stillinger, J. Stat. Phys. 60, 561, 1990)."""
+
+    layout: Literal["packing"]
+
+    def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        import spheropack
+
+        try:
+            packing = spheropack.pack(
+                radii=radii,
+                container=spheropack.PeriodicBox(tuple(box)),
+                seed=int(rng.integers(2**63)),
+                strict=True,
+            )
+        except (spheropack.PackingError, ValueError) as error:
+            share = bulk(radii, len(box)).sum() / np.prod(box)
+            raise KeyedError(
+                "obstacles",
+                f"the colloids cannot be packed to a fraction of {share:.4g}, gaps included: {error}",
+            ) from None
+        return np.asarray(packing.positions, dtype=np.float64)
+
+
+def _apportion(count: int, shares: np.ndarray) -> np.ndarray:
+    """Return whole numbers with the sum `count` that are nearest to `count * shares` (largest remainders)."""
+    numbers: np.ndarray = np.floor(count * shares).astype(np.int64)
+    remainder = count * shares - numbers
+    numbers[np.argsort(-remainder, kind="stable")[: count - numbers.sum()]] += 1
+    return numbers

@@ -1,0 +1,44 @@
+"""The space that holds colloids and swimmers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from porous_swim.parts import KeyedError, Length, Part, as_vector
+
+MOST_COLLOIDS = 10**8  # about 3 GB of centres and radii
+
+Edge = Annotated[Length, Field(gt=0.0)]
+
+
+class Domain(Part):
+    """The space that holds colloids and swimmers."""
+
+    dimensions: Literal[2, 3] = 3
+    """2: everything moves in the plane z = 0, between colloids that are still spheres. 3: all of space."""
+    boundary: Literal["open", "periodic"] | None = None
+    """`open` is unbounded, `periodic` repeats. Left out: open for `none` and `single`, else periodic."""
+    size: Annotated[tuple[Edge, ...], Field(min_length=2, max_length=3)] | None = None
+    """Edges of the box, where the layout does not set it: `[x, y]` in 2-D, `[x, y, z]` in 3-D."""
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the box repeats."""
+        return self.boundary == "periodic"
+
+    def sized_box(self) -> np.ndarray:
+        """Return (3,) the edges from `size`, 0 along z in 2-D; a `KeyedError` where `size` does not fit."""
+        if self.size is None:
+            raise KeyedError("domain.size", f"this layout needs the box: give {self.dimensions} edge lengths")
+        if len(self.size) != self.dimensions:
+            message = f"expected {self.dimensions} edge lengths in {self.dimensions}-D, found {len(self.size)}"
+            raise KeyedError("domain.size", message)
+        return as_vector([*self.size, 0.0][:3], key="domain.size", dimensions=self.dimensions)
+
+    def refuse_size(self, reason: str) -> None:
+        """Raise a `KeyedError` if `size` is given although something else sets the box."""
+        if self.size is not None:
+            raise KeyedError("domain.size", f"leave it out: {reason}")

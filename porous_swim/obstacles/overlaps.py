@@ -1,0 +1,51 @@
+"""Colloids must neither overlap nor reach their own images."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.nearest import NearestSphere, wrap
+from porous_swim.parts import KeyedError
+
+TOUCH = 1e-9  # share of the summed radii by which touching spheres may overlap from rounding
+
+
+def checked_field(
+    centers: np.ndarray, radii: np.ndarray, *, box: np.ndarray, dimensions: int, key: str
+) -> ObstacleField:
+    """Return the field of `centers` (n, 3), wrapped into `box`; a `KeyedError` where colloids overlap."""
+    if len(radii):
+        _check_own_images(radii, box)
+    field = ObstacleField(wrap(centers, box), radii, box, dimensions)
+    if len(radii) > 1:
+        _check_pairs(field, key)
+    return field
+
+
+def _check_own_images(radii: np.ndarray, box: np.ndarray) -> None:
+    largest = float(radii.max())
+    for axis, edge in zip("xyz", box, strict=True):
+        if 0.0 < edge < 2.0 * largest * (1.0 - TOUCH):
+            raise KeyedError(
+                "domain.size",
+                f"the box is {edge:g} long in {axis}, so a colloid of radius {largest:g} overlaps its own "
+                f"image: expected at least {2.0 * largest:g}",
+            )
+
+
+def _check_pairs(field: ObstacleField, key: str) -> None:
+    other, gap = NearestSphere(field.centers, field.radii, field.box).nearest_other()
+    worst = int(np.argmin(gap / (field.radii + field.radii[other])))
+    first, second = sorted((worst, int(other[worst])))
+    reach = float(field.radii[first] + field.radii[second])
+    if gap[worst] >= -TOUCH * reach:
+        return
+    distance = reach + float(gap[worst])
+    apart = float(np.linalg.norm(field.centers[first] - field.centers[second]))
+    through = " through the periodic boundary" if apart > distance * (1.0 + TOUCH) + TOUCH else ""
+    raise KeyedError(
+        key,
+        f"colloids {first} and {second} overlap by {-gap[worst]:.6g}{through}: centres {distance:.6g} apart, "
+        f"radii {field.radii[first]:g} and {field.radii[second]:g}",
+    )

@@ -1,0 +1,120 @@
+"""Which colloid is nearest: the search on the device, over the candidates of one cell. Exact for any radii."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import taichi as ti
+
+from porous_swim.obstacles.cells import FIXED_BITS
+
+ivec3 = ti.types.vector(3, ti.i32)
+lvec3 = ti.types.vector(3, ti.i64)
+
+
+class Medium(NamedTuple):
+    """The colloids as kernel arguments; see `cells.CellIndex`."""
+
+    center: Any  # (n_colloids, 3) i64, fixed point
+    radius: Any  # (n_colloids,) real
+    first: Any  # (n_cells + 1,) i32
+    candidate: Any  # (n_candidates, 2) i32: colloid, packed image
+    grid: Any  # (7,) i32: cells along each axis, whether it repeats, number of colloids
+    scale: Any  # (2, 3) real: length of a unit of the fixed point, and its inverse
+
+
+@cache
+def make_between(real, dimensions: int):
+    """Return `between(medium, k, image_k, j, image_j)`: centre of j minus centre of k, exact before its rounding."""
+
+    @ti.func
+    def between(medium: ti.template(), k, image_k, j, image_j):
+        v = ti.Vector([real(0.0) for _ in ti.static(range(dimensions))])
+        for d in ti.static(range(dimensions)):
+            n = medium.center[j, d] - medium.center[k, d]
+            n += ti.cast(image_j[d] - image_k[d], ti.i64) << ti.i64(FIXED_BITS)
+            v[d] = ti.cast(n, real) * medium.scale[0, d]
+        return v
+
+    return between
+
+
+@cache
+def make_search(real, dimensions: int, contact_height, sphere: bool):
+    """Return a namespace of `run(medium, k, image, y, e, gamma)` and `empty()`, the result of no search.
+
+    The swimmer is at offset y from image `image` of colloid k.
+
+    The result holds the nearest colloid, its image, the distances to the nearest and second nearest surface, and the
+    colloid into which the swimmer reaches deepest, with the depth (negative: free). Distances in a.
+    """
+    Found = ti.types.struct(
+        near=ti.i32, image=ivec3, first=real, second=real, deep=ti.i32, deep_image=ivec3, depth=real
+    )
+
+    @ti.func
+    def fixed_position(medium: ti.template(), k, y):
+        """Position in units of the fixed point, seen from the box of that image; and whether a cell covers it."""
+        p = lvec3(0)
+        covered = 1
+        for d in ti.static(range(dimensions)):
+            n = y[d] * medium.scale[1, d]
+            far = ti.abs(n) > real(2.0**60)
+            p[d] = medium.center[k, d] + ti.cast(ti.select(far, real(0.0), n), ti.i64)
+            beyond = (medium.grid[3 + d] == 0) & ((p[d] >> ti.i64(FIXED_BITS)) != 0)
+            covered = ti.select(far | beyond, 0, covered)
+        return p, covered
+
+    @ti.func
+    def empty():
+        none = ivec3(0)
+        return Found(
+            near=-1, image=none, first=real(1e30), second=real(1e30), deep=-1, deep_image=none, depth=real(-1e30)
+        )
+
+    @ti.func
+    def run(medium: ti.template(), k, image, y, e, gamma):
+        p, covered = fixed_position(medium, k, y)
+        box = ivec3(0)
+        cell = 0
+        if covered != 0:
+            for d in ti.static(range(dimensions)):
+                box[d] = ti.cast(p[d] >> ti.i64(FIXED_BITS), ti.i32)
+                p[d] -= ti.cast(box[d], ti.i64) << ti.i64(FIXED_BITS)
+            for d in ti.static(range(3)):
+                slot = ti.cast((p[d] * ti.cast(medium.grid[d], ti.i64)) >> ti.i64(FIXED_BITS), ti.i32)
+                cell = cell * medium.grid[d] + slot
+        # outside of what the cells cover every colloid is a candidate
+        begin = ti.select(covered != 0, medium.first[cell], 0)
+        end = ti.select(covered != 0, medium.first[cell + 1], medium.grid[6])
+        found = empty()
+        for m in range(begin, end):
+            j, packed = m, 0x808080
+            if covered != 0:
+                j, packed = medium.candidate[m, 0], medium.candidate[m, 1]
+            v = ti.Vector([real(0.0) for _ in ti.static(range(dimensions))])
+            shift = ivec3(0)
+            for d in ti.static(range(dimensions)):
+                shift[d] = ((packed >> (8 * d)) & 0xFF) - 128
+                if covered != 0:
+                    n = p[d] - medium.center[j, d] - (ti.cast(shift[d], ti.i64) << ti.i64(FIXED_BITS))
+                    v[d] = ti.cast(n, real) * medium.scale[0, d]
+                else:
+                    v[d] = y[d] + ti.cast(medium.center[k, d] - medium.center[j, d], real) * medium.scale[0, d]
+            R = ti.sqrt(v.dot(v))
+            distance = R - medium.radius[j]
+            if distance < found.first:
+                found.second, found.first = found.first, distance
+                found.near, found.image = j, image + box + shift
+            elif distance < found.second:
+                found.second = distance
+            if ti.static(not sphere):
+                depth = contact_height(v.dot(e) / R, gamma) - distance
+                if depth > found.depth:
+                    found.deep, found.deep_image, found.depth = j, image + box + shift, depth
+        if ti.static(sphere):  # whose contact height is the same everywhere: the deepest is the nearest
+            found.deep, found.deep_image, found.depth = found.near, found.image, real(1.0) - found.first
+        return found
+
+    return SimpleNamespace(run=run, empty=empty)

@@ -1,0 +1,1 @@
+"""Values in, values out: the laws that move one swimmer near one colloid."""

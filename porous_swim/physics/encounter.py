@@ -1,0 +1,40 @@
+"""What starts and ends an encounter between a swimmer and a colloid."""
+
+from __future__ import annotations
+
+from math import pi, sin
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from porous_swim.parts import KeyedError, Length, Part
+
+
+class Encounter(Part):
+    """Starts at first contact and ends when the height above that colloid exceeds `escape_height`."""
+
+    escape_height: Length = Field(default=1.5, gt=0.0)
+    """Height of the swimmer's centre above the surface at which an encounter ends (the paper's r)."""
+    contact_band: Length = Field(default=0.05, ge=0.0)
+    """A bound swimmer no higher than this above its contact height counts as in contact."""
+    escape_pitch: Annotated[float, Field(gt=0.0)] | Literal["leading", "exact"] = "leading"
+    """Pitch whose first passage is timed: `leading` 3 alpha/(8 gamma^2), `exact` at lift-off, or radians."""
+
+    def escape_sine(self, dipole_strength: float, aspect_ratio: float) -> float:
+        """Sine of the pitch that is timed: 2 where there is none, -2 for the lift-off pitch of each colloid.
+
+        Leading order: theta_e = 3 alpha/(8 hbar^2) with hbar = gamma (Soft Matter 11, 3396, section 4).
+        """
+        if self.escape_pitch == "exact":
+            return -2.0 if dipole_strength > 0.0 else 2.0
+        pitch = self.escape_pitch
+        if pitch == "leading":
+            pitch = 3.0 * dipole_strength / (8.0 * aspect_ratio**2)
+        return sin(pitch) if 0.0 < pitch < 0.5 * pi else 2.0
+
+    def check(self, aspect_ratio: float) -> None:
+        """Raise a `KeyedError` where the lift-off pitch is asked of a rod, whose contact height varies with it."""
+        if self.escape_pitch == "exact" and aspect_ratio < 1.0:
+            raise KeyedError(
+                "encounter.escape_pitch", "exact is for spheres (aspect_ratio 1): expected leading or a number"
+            )

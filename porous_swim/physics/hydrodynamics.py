@@ -1,0 +1,66 @@
+"""Drift of a force-dipole swimmer caused by the nearest colloid.
+
+Lengths in half-lengths a, speeds in U. Source: Spagnolie, Moreno-Flores, Bartolo, Lauga, Soft Matter 11,
+3396 (2015), Appendix B, in the form without square roots; Gamma enters with the sign of Appendix B.
+"""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+from typing import Literal
+
+import taichi as ti
+
+from porous_swim.parts import Part
+
+
+class NoHydrodynamics(Part):
+    """A swimmer that feels no flow: it swims, turns by noise, and is stopped by walls."""
+
+    kind: Literal["none"] = "none"
+
+    @staticmethod
+    @cache
+    def make_drift(real):
+        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate`, both zero here."""
+
+        @ti.func
+        def drift(x, e, A, alpha, Gamma):
+            return real(0.0) * x, real(0.0) * e
+
+        return drift
+
+
+class ImageDipole(Part):
+    """The flow that the nearest colloid reflects: the exact image of a force dipole at a no-slip sphere."""
+
+    kind: Literal["image_dipole"] = "image_dipole"
+
+    @staticmethod
+    @cache
+    def make_drift(real):
+        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
+
+        The swimmer's own speed is not in the velocity. One division, no square root, no branch.
+        """
+
+        @ti.func
+        def drift(x, e, A, alpha, Gamma):
+            rho = x.dot(x)
+            s = x.dot(e)
+            H = rho - A * A  # h (2 A + h)
+            i = real(1.0) / (rho * H)  # the one division: 1/rho = i H, 1/H = i rho
+            i_rho, i_H = i * H, i * rho
+            a = A * A * i_rho
+            b = a * (real(3.0) - a)
+            q = s * s * i_rho
+            k = real(1.5) * alpha * A * i_H * i_H
+            velocity = k * ((real(3.0) * q - real(1.0) - b * q) * x + b * s * e)
+            P = ((real(5.0) * a - real(17.0)) * a + real(22.0)) * a - real(6.0)
+            P += q * (((real(29.0) - real(9.0) * a) * a - real(34.0)) * a + real(18.0))
+            w = k * rho * i_H * (b + real(0.25) * Gamma * P)
+            return velocity, w * (q * e - s * i_rho * x)
+
+        return drift
+
+
+Hydrodynamics = NoHydrodynamics | ImageDipole

@@ -1,0 +1,71 @@
+"""Six random variates of mean 0 and variance 1 out of one 128-bit block, without library calls.
+
+The block is cut into six integers of 21 bits. Straight-line code on integers and single precision, so that
+it vectorises and gives the same bits at any lane width.
+"""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+import taichi as ti
+
+BITS = 21
+SQRT_12 = 3.4641016151377544
+LOG_POLYNOMIAL = (
+    -1.1514610310e-1, 1.1676998740e-1, -1.2420140846e-1, 1.4249322787e-1,
+    -1.6668057665e-1, 2.0000714765e-1, -2.4999993993e-1, 3.3333331174e-1,
+)  # fmt: skip
+
+
+@ti.func
+def split(w0, w1, w2, w3):
+    """Six signed integers in [0, 2^21) from four words (a signed conversion vectorises, an unsigned not)."""
+    low = ti.u32(0x7FF)
+    i4 = ((w0 & low) << ti.u32(10)) | (w1 & ti.u32(0x3FF))
+    i5 = ((w2 & low) << ti.u32(10)) | (w3 & ti.u32(0x3FF))
+    return ti.Vector([ti.cast(i, ti.i32) for i in (w0 >> 11, w1 >> 11, w2 >> 11, w3 >> 11, i4, i5)])
+
+
+@ti.func
+def uniform(i):
+    """Uniform on [-sqrt 3, sqrt 3] from a 21-bit integer, at the middles of 2^21 intervals."""
+    return (ti.cast(i, ti.f32) - ti.f32(2**20 - 0.5)) * ti.f32(SQRT_12 / 2**BITS)
+
+
+@ti.func
+def minus_two_log(i):
+    """-2 ln((i + 1/2) / 2^21) for a 21-bit integer; relative error below 2e-7 (polynomial: Cephes logf)."""
+    bits = ti.bit_cast(ti.cast(2 * i + 1, ti.f32), ti.i32)
+    # the mantissa is brought to [sqrt(1/2), sqrt 2): subtract the bits of sqrt(1/2), keep the exponent
+    shifted = bits - ti.i32(0x3F3504F3)
+    exponent = shifted >> 23
+    m = ti.bit_cast((shifted & ti.i32(0x007FFFFF)) + ti.i32(0x3F3504F3), ti.f32) - ti.f32(1.0)
+    p = ti.f32(7.0376836292e-2)
+    for c in ti.static(LOG_POLYNOMIAL):
+        p = p * m + ti.f32(c)
+    square = m * m
+    log_m = m - ti.f32(0.5) * square + square * m * p
+    return ti.f32(-2.0) * (log_m + ti.cast(exponent - (BITS + 1), ti.f32) * ti.f32(0.69314718056))
+
+
+@ti.func
+def circle(i):
+    """A point of the unit circle, uniform in angle, from a 21-bit integer: 18 bits of octant, 3 of symmetry."""
+    t = (ti.cast(i & 0x3FFFF, ti.f32) + ti.f32(0.5)) * ti.f32(0.7853981633974483 / 2**18)
+    square = t * t
+    s = ti.f32(2.718311493989822e-6)
+    for c in ti.static((-1.98393348360966317e-4, 8.33332938588946317e-3, -1.66666666416265235e-1, 1.0)):
+        s = s * square + ti.f32(c)
+    s *= t
+    c = ti.f32(2.44331571180948e-5)
+    for k in ti.static((-1.38873162549376e-3, 4.16666418707325e-2, -0.5, 1.0)):
+        c = c * square + ti.f32(k)
+    swap = (i & (1 << 18)) != 0
+    x, y = ti.select(swap, s, c), ti.select(swap, c, s)
+    return ti.select((i & (1 << 19)) != 0, -x, x), ti.select((i & (1 << 20)) != 0, -y, y)
+
+
+@ti.func
+def gaussian_pair(i, j):
+    """Two independent Gaussian variates (Box and Muller 1958) from two 21-bit integers; tails to 5.5."""
+    r = ti.sqrt(minus_two_log(i))
+    x, y = circle(j)
+    return r * x, r * y

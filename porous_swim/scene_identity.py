@@ -1,0 +1,65 @@
+"""The resolved scene as plain data, written to a folder, and the hash that names it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from porous_swim.yaml_core import write_yaml
+
+if TYPE_CHECKING:
+    from porous_swim.scene import Scene
+
+
+def resolved(scene: Scene) -> dict[str, Any]:
+    """Return the scene with every default written out, as plain data that loads to the same scene."""
+    data: dict[str, Any] = _tidy(scene.model_dump())
+    data["record"] |= {
+        "every": scene.record_period * scene.run.time_step,
+        "swimmers": scene.n_recorded,
+        "trails": scene.n_trails,
+    }
+    return data
+
+
+def scene_hash(scene: Scene) -> str:
+    """Return 16 hexadecimal digits that differ when the result could."""
+    data = resolved(scene)
+    for key in ("name", "description", "record"):
+        del data[key]
+    data["run"] = {key: data["run"][key] for key in data["run"] if key not in ("device", "threads")}
+    data["run"]["precision"] = scene.precision
+    for key, path in scene.files.items():
+        _section(data, key)["path"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    text = json.dumps(data, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def save(scene: Scene, folder: Path) -> None:
+    """Write `scene.yaml` into `folder` and copy the files that it names beside it: it runs from there."""
+    data = resolved(scene)
+    taken = {"scene.yaml"}
+    for key, path in scene.files.items():
+        name = path.name if path.name not in taken else f"{key.split('.')[0]}_{path.name}"
+        taken.add(name)
+        shutil.copyfile(path, folder / name)
+        _section(data, key)["path"] = name
+    (folder / "scene.yaml").write_text(write_yaml(data), encoding="utf-8")
+
+
+def _section(data: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return the map that holds the last part of a dotted key."""
+    for part in key.split(".")[:-1]:
+        data = data[part]
+    return data
+
+
+def _tidy(value: Any) -> Any:
+    """Return dumped models as lists and maps without empty entries, the key that tells the kind first."""
+    if isinstance(value, dict):
+        keys = sorted(value, key=lambda key: key not in ("kind", "layout"))  # stable: the rest keeps its order
+        return {key: _tidy(value[key]) for key in keys if value[key] is not None}
+    return [_tidy(item) for item in value] if isinstance(value, tuple) else value

@@ -1,0 +1,93 @@
+"""The sections of a scene that are no part of the physics: swimmers, run and recording."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from porous_swim.parts import KeyedError, Part, Time, Whole
+from porous_swim.release import Release, Uniform
+
+_MOST_STEPS = 2**62  # steps are counted in 64-bit integers
+
+
+class Population(Part):
+    """The swimmers: how many, of what kind, and where they start."""
+
+    count: Annotated[Whole, Field(gt=0, lt=2**31)]
+    """Number of swimmers; they do not feel each other."""
+    dipole_strength: float
+    """alpha; above 0 a pusher, below 0 a puller. With units `dipole` may be given instead."""
+    dipole: str | None = None
+    """Force dipole p in place of `dipole_strength`, such as `0.45 pN um`: alpha = p/(8 pi mu U a^2)."""
+    aspect_ratio: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    """gamma, minor over major axis; 1 is a sphere."""
+    release: Release = Uniform()
+    """Where the swimmers start."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_dipole(cls, data: Any, info: ValidationInfo) -> Any:
+        """Replace `dipole` by the dipole strength that it means."""
+        if not isinstance(data, dict) or data.get("dipole") is None:
+            return data
+        if "dipole_strength" in data:
+            raise KeyedError("dipole", "expected one of dipole and dipole_strength, found both")
+        if not isinstance(data["dipole"], str):
+            raise KeyedError("dipole", f"expected a string such as `0.45 pN um`, found {data['dipole']!r}")
+        units = (info.context or {}).get("units")
+        if units is None:
+            raise KeyedError("dipole", "a dipole needs a `units` section; without one give dipole_strength")
+        try:
+            strength = units.number(data["dipole"], "dipole")
+        except ValueError as error:
+            raise KeyedError("dipole", str(error)) from None
+        return {key: value for key, value in data.items() if key != "dipole"} | {"dipole_strength": strength}
+
+
+class Run(Part):
+    """How the swimmers are advanced, how long, and on what."""
+
+    time_step: Annotated[Time, Field(gt=0.0)]
+    """Length of a step."""
+    duration: Annotated[Time, Field(gt=0.0)]
+    """Length of the run, a whole number of steps."""
+    seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
+    """Every random number follows from it."""
+    precision: Literal["auto", "f32", "f64"] = "auto"
+    """`auto`: f64 without noise, where small errors grow; f32 with noise."""
+    integrator: Literal["euler"] = "euler"
+    """`euler`: one forward step, then the swimmer is put back on the surface if it went below contact."""
+    device: Literal["auto", "cpu", "cuda", "vulkan", "metal"] = "auto"
+    """Where to compute; `auto` takes a GPU if there is one."""
+    threads: Annotated[Whole, Field(ge=1)] | None = None
+    """Threads on the CPU; left out: one per core. No result depends on it."""
+
+
+class Record(Part):
+    """What of the run is kept to look at. Encounters are always kept, of all swimmers."""
+
+    every: Annotated[Time, Field(gt=0.0)] | None = None
+    """Time between frames, a whole number of steps. Left out: about 200 frames."""
+    swimmers: Annotated[Whole, Field(ge=0)] = 200
+    """How many swimmers are in the recording and in the trajectory: the first ones, at most all."""
+    trails: Annotated[Whole, Field(ge=0)] = 20
+    """How many of these leave a trail, at most `swimmers`."""
+
+    @model_validator(mode="after")
+    def _trails_are_recorded(self) -> Record:
+        if "trails" in self.model_fields_set and self.trails > self.swimmers:
+            raise KeyedError("trails", f"expected at most record.swimmers ({self.swimmers}), found {self.trails}")
+        return self
+
+
+def check_whole_steps(key: str, time: float, time_step: float) -> None:
+    """Raise a `KeyedError` for `key` unless `time` is a whole number of steps, within 1e-6 of a step."""
+    steps = time / time_step
+    if not steps < _MOST_STEPS:
+        raise KeyedError(key, f"expected fewer than 2^62 steps of {time_step:g}, found {steps:.3g}")
+    nearest = max(1, round(steps))
+    if abs(steps - nearest) > 1e-6:
+        message = f"{time:.12g} is not a whole number of steps of {time_step:g}"
+        raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")

@@ -1,0 +1,175 @@
+"""Physical units: from strings such as `10 um` to numbers in a, U and a/U, and back to um and s.
+
+Internally micrometres, seconds, piconewtons and kelvin, in which 1 Pa s is 1 pN s/um^2. Pint is loaded only
+when a scene has units. Its own registry reads `a` as years and `U` as enzyme units, hence the small one here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from math import isfinite, pi
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, model_validator
+
+from porous_swim.parts import KeyedError, Part
+
+BOLTZMANN = 1.380649e-5  # pN um/K, exact in the SI
+
+_DEFINITIONS = """
+pico- = 1e-12 = p-
+nano- = 1e-9 = n-
+micro- = 1e-6 = µ- = μ- = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+femto- = 1e-15 = f-
+atto- = 1e-18 = a-
+meter = [length] = m = metre
+micron = 1e-6 meter
+angstrom = 1e-10 meter = Å
+second = [time] = s = sec
+minute = 60 second = min
+hour = 3600 second = h = hr
+hertz = 1 / second = Hz
+gram = [mass] = g
+kelvin = [temperature] = K
+radian = [] = rad
+degree = 0.017453292519943295 radian = deg
+turn = 6.283185307179586 radian
+newton = 1000 gram * meter / second ** 2 = N
+dyne = 1e-5 newton = dyn
+pascal = newton / meter ** 2 = Pa
+poise = 0.1 pascal * second = P
+joule = newton * meter = J
+erg = 1e-7 joule
+electron_volt = 1.602176634e-19 joule = eV
+"""
+
+_UNIT_OF = {  # what a quantity is measured in here, and an example for messages
+    "length": ("um", "`10 um`"),
+    "time": ("s", "`0.5 s`"),
+    "speed": ("um/s", "`5 um/s`"),
+    "viscosity": ("pN s/um^2", "`0.89 mPa s`"),
+    "temperature": ("K", "`300 K`"),
+    "diffusivity": ("um^2/s", "`0.25 um^2/s`"),
+    "rotational diffusivity": ("rad^2/s", "`0.19 rad^2/s`"),
+    "dipole": ("pN um", "`0.45 pN um`"),
+}
+_QUANTITY = re.compile(r"\s*([-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)\s*(\S.*?)\s*")
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(None)
+    registry.load_definitions(_DEFINITIONS.strip().splitlines())
+    return registry
+
+
+def read_quantity(text: str, dimension: str) -> float:
+    """Return `text`, such as `10 um`, as a number in this module's unit of `dimension`; else `ValueError`."""
+    unit, example = _UNIT_OF[dimension]
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise ValueError(f"expected a {dimension} with its unit such as {example}, found {text!r}")
+    try:
+        found = _registry().Quantity(float(match[1]), match[2])
+        fits = found.is_compatible_with(unit)
+    except Exception as error:  # pint raises half a dozen unrelated kinds on nonsense
+        raise ValueError(
+            f"{match[2]!r} is not a unit that is known here; a {dimension} is such as {example}"
+        ) from error
+    if not fits:
+        raise ValueError(f"expected a {dimension} such as {example}, found {text!r}")
+    return float(found.to(unit).magnitude)
+
+
+def _text(dimension: str) -> BeforeValidator:
+    def read(value: Any) -> Any:
+        if not isinstance(value, str):
+            raise ValueError(f"expected a {dimension} with its unit such as {_UNIT_OF[dimension][1]}, found {value!r}")
+        return value
+
+    return BeforeValidator(read)
+
+
+class Units(Part):
+    """What a, U and the fluid are in the laboratory; results are then also in um and s."""
+
+    length: Annotated[str, _text("length")]
+    """Half-length a of the swimmer, a string such as `1.0 um`."""
+    speed: Annotated[str, _text("speed")]
+    """Swimming speed U, a string such as `5.0 um/s`."""
+    viscosity: Annotated[str, _text("viscosity")] | None = None
+    """Viscosity mu of the fluid, a string such as `0.89 mPa s`; for `dipole` and `thermal`."""
+    temperature: Annotated[str, _text("temperature")] | None = None
+    """Temperature of the fluid, a string such as `300 K`; for `thermal`."""
+
+    @model_validator(mode="after")
+    def _all_positive(self) -> Units:
+        for dimension in type(self).model_fields:
+            text = getattr(self, dimension)
+            if text is None:
+                continue
+            try:
+                value = read_quantity(text, dimension)
+            except ValueError as error:
+                raise KeyedError(dimension, str(error)) from None
+            if not (isfinite(value) and value > 0.0):
+                raise KeyedError(dimension, f"expected more than 0, found {text!r}")
+        return self
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """The laboratory values of the scene's units."""
+
+    length: float  # a in um
+    speed: float  # U in um/s
+    viscosity: float | None = None  # Pa s
+    temperature: float | None = None  # K
+
+    @classmethod
+    def of(cls, units: Units) -> UnitSystem:
+        """Return the system that a `units` section describes."""
+        given = {key: text for key, text in units.model_dump().items() if text is not None}
+        return cls(**{key: read_quantity(text, key) for key, text in given.items()})
+
+    @property
+    def time(self) -> float:
+        """Return a/U in s."""
+        return self.length / self.speed
+
+    def number(self, text: str, dimension: str) -> float:
+        """Return a string with units as a number in a, U and a/U; `dimension` as in this module's table.
+
+        A diffusivity may be `thermal`, kT/(6 pi mu a). A dipole p becomes alpha = p/(8 pi mu U a^2).
+        """
+        if dimension == "diffusivity" and text == "thermal":
+            return self.thermal_diffusion()
+        return read_quantity(text, dimension) / self._scale(dimension)
+
+    def thermal_diffusion(self) -> float:
+        """Return the Stokes-Einstein diffusivity kT/(6 pi mu a) of a sphere of radius a, in a U."""
+        if self.viscosity is None or self.temperature is None:
+            raise ValueError("`thermal` needs units.viscosity and units.temperature")
+        in_um = BOLTZMANN * self.temperature / (6.0 * pi * self.viscosity * self.length)
+        return in_um / (self.length * self.speed)
+
+    def _scale(self, dimension: str) -> float:
+        if dimension == "dipole":
+            if self.viscosity is None:
+                raise ValueError("a dipole with units needs units.viscosity")
+            return 8.0 * pi * self.viscosity * self.speed * self.length**2
+        return {
+            "length": self.length,
+            "time": self.time,
+            "speed": self.speed,
+            "diffusivity": self.length * self.speed,
+            "rotational diffusivity": self.speed / self.length,
+        }[dimension]

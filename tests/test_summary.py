@@ -1,0 +1,137 @@
+"""The summary of a run: its map for JSON, its warnings, its lines."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.summary import summarize, summary_lines
+from porous_swim.results import TIMESERIES_SCHEMA, TableInfo, make_table
+from tests import synthetic
+
+STATISTIC = {"value", "standard_error", "n", "n_censored", "unit"}
+
+
+def summary_of(encounters: pa.Table, *, persistence_time: float = 1.0, **options: Any) -> dict[str, Any]:
+    about = TableInfo.of(encounters)
+    columns = {field.name: np.zeros(1) for field in TIMESERIES_SCHEMA}
+    columns |= {
+        "time": np.array([about.last_time]),
+        "msd": np.array([7.0]),
+        "msd_standard_error": np.array([0.5]),
+    }
+    clock = np.linspace(0.0, about.last_time, 11)
+    position = np.cumsum(np.random.default_rng(0).normal(size=(11, 4, 3)), axis=0)
+    return summarize(
+        encounters,
+        synthetic.colloids(about, np.arange(9.0).reshape(3, 3)),
+        make_table(TIMESERIES_SCHEMA, columns, info=about),
+        synthetic.trajectory(about, clock, position, np.ones((11, 4, 3))),
+        persistence_time=persistence_time,
+        **options,
+    )
+
+
+def test_a_summary_has_every_group_and_each_statistic_its_five_entries() -> None:
+    rng = np.random.default_rng(1)
+    found = summary_of(synthetic.random_moves(rng, n_swimmers=20, n_rows=200, last_time=100.0))
+    assert set(found) == {
+        "residence", "escape_pitch_time", "winding", "hops", "returns", "flights", "msd", "diffusivity",
+        "fractions", "warnings",
+    }  # fmt: skip
+    statistics = [entry for group in found.values() if isinstance(group, dict) for entry in group.values()]
+    statistics = [entry for entry in statistics if isinstance(entry, dict)]
+    assert len(statistics) == 24
+    assert all(set(entry) == STATISTIC for entry in statistics)
+    assert found["residence"]["mean"]["n"] == 200
+    assert found["fractions"]["contact_of_encounters"]["value"] == np.float64(0.5)
+    assert found["msd"]["final"] == {
+        "value": 7.0,
+        "standard_error": 0.5,
+        "n": 20,
+        "n_censored": 0,
+        "unit": "a^2",
+    }
+    json.dumps(found, allow_nan=False)
+
+
+def test_an_empty_run_summarises_to_null_and_is_json() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(n_swimmers=3), swimmer=np.zeros(0, np.int32)))
+    json.dumps(found, allow_nan=False)
+    assert found["residence"]["mean"]["value"] is None
+    assert found["fractions"]["bound"]["value"] == 0.0
+    assert found["warnings"] == []
+
+
+def test_few_escapes_a_short_run_and_missing_passages_are_warned_of() -> None:
+    table = synthetic.encounters(
+        synthetic.info(n_swimmers=3, last_time=10.0),
+        swimmer=[0, 1, 2],
+        start_time=[0.0, 0.0, 0.0],
+        end_time=[4.0, 10.0, 10.0],
+        end_censored=[False, True, True],
+    )
+    few, short = summary_of(table)["warnings"]
+    assert few.startswith("Few encounters ended (1)")
+    assert short.startswith("The run (10 a/U) is shorter than the mean residence time (24 a/U)")
+
+    partly = table.set_column(
+        table.schema.get_field_index("escape_pitch_time"),
+        table.schema.field("escape_pitch_time"),
+        pa.array([None, None, 3.0]),
+    )
+    assert len(summary_of(partly)["warnings"]) == 2  # the one that ended has no passage: none is timed
+
+
+def test_escape_pitches_not_passed_are_counted_among_the_ended() -> None:
+    n = 40
+    table = synthetic.encounters(
+        synthetic.info(n_swimmers=n, last_time=10.0),
+        swimmer=np.arange(n),
+        end_time=np.full(n, 4.0),
+        escape_pitch_time=np.where(np.arange(n) < 3, np.nan, 2.0),
+    )
+    assert summary_of(table)["warnings"] == ["In 3 of the 40 encounters that ended the escape pitch was not passed."]
+
+
+def test_a_run_in_which_all_stay_bound_is_warned_of() -> None:
+    table = synthetic.encounters(synthetic.info(), swimmer=[0], end_time=[100.0], end_censored=[True])
+    found = summary_of(table)
+    assert found["warnings"] == [
+        "No encounter ended during the run (1 under way): the mean residence time is not known."
+    ]
+
+
+def test_a_diffusivity_from_a_short_run_is_warned_of_after_the_warnings_given() -> None:
+    table = synthetic.encounters(synthetic.info(last_time=100.0), swimmer=np.zeros(0, np.int32))
+    found = summary_of(table, persistence_time=20.0, warnings=["first"])
+    assert found["warnings"][0] == "first"
+    assert "shorter than 10 persistence times (20 a/U each)" in found["warnings"][1]
+    assert not found["diffusivity"]["reliable"]
+
+
+def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), warnings=["beware"])
+    found["residence"]["mean"] = {
+        "value": 39.41472, "standard_error": 0.14119, "n": 54973, "n_censored": 7293, "unit": "a/U"
+    }  # fmt: skip
+    found["hops"]["rate"] = {
+        "value": 55410.2, "standard_error": 140.3, "n": 12, "n_censored": 0, "unit": "U/a"
+    }  # fmt: skip
+    lines = summary_lines(found)
+    assert lines[0] == "residence time: 39.41 ± 0.14 a/U (n = 54973, 7293 censored)"
+    assert "hop rate per swimmer: 5.541e+04 ± 1.4e+02 U/a (n = 12)" in lines
+    assert not any(line.startswith("hop time") for line in lines)
+    assert lines[-1] == "warning: beware"
+
+
+def test_a_summary_of_a_million_encounters_takes_seconds() -> None:
+    rng = np.random.default_rng(2)
+    table = synthetic.random_moves(rng, n_swimmers=100_000, n_rows=1_000_000, last_time=100.0)
+    start = time.perf_counter()
+    summary_of(table)
+    assert time.perf_counter() - start < 20.0  # some 5 s on one core; a loop over swimmers takes minutes
