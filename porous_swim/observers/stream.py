@@ -18,6 +18,8 @@ from rerun.chunk import RrdReader
 from porous_swim.errors import RunError
 
 APPLICATION = "porous_swim"
+# a flush of a few MB on a slow disk; without a limit it may wait for ever for a writer that met a full disk
+_FLUSH_SECONDS = 30.0
 STEP, TIME = "step", "sim_time"  # the two timelines: a whole number of steps, and a/U
 
 
@@ -64,8 +66,8 @@ class RecordingFile:
     def flush(self) -> None:
         """Wait until all that was sent is on disk; `RunError` where it cannot be."""
         try:
-            self.stream.flush()
-        except RuntimeError as error:
+            self.stream.flush(timeout_sec=_FLUSH_SECONDS)
+        except (RuntimeError, TimeoutError) as error:
             raise RunError(
                 f"{self._part}: the recording stopped, is the disk full? ({_reason(error)})"
             ) from None

@@ -73,9 +73,21 @@ def make_turn(real, dimensions: int):
     The rotation is exact to 3e-7 at one radian and to 2e-12 at 0.3, and the result has unit length.
     """
 
+    if dimensions == 2:
+
+        @ti.func
+        def tangential(e, w):
+            return w[0] * ti.Vector([-e[1], e[0]])
+
+    else:
+
+        @ti.func
+        def tangential(e, w):
+            return w - w.dot(e) * e
+
     @ti.func
     def turn(e, w):
-        d = w[0] * ti.Vector([-e[1], e[0]]) if ti.static(dimensions == 2) else w - w.dot(e) * e
+        d = tangential(e, w)
         q = d.dot(d)
         sine = real(1.0) - q * (real(1 / 6) - q * (real(1 / 120) - q * (real(1 / 5040) - q * real(1 / 362880))))
         cosine = real(1.0) - q * (real(0.5) - q * (real(1 / 24) - q * (real(1 / 720) - q * real(1 / 40320))))
