@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
 
@@ -22,6 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+WARNING = "warning"  # the label of what is doubtful
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, such as scenes/crystal.yaml.")]
 Changes = Annotated[
     list[str] | None,
@@ -41,6 +44,9 @@ def main() -> None:
         _leave(error, 1)
     except KeyboardInterrupt:
         sys.exit(130)
+    except MemoryError:
+        print("not enough memory: lower swimmers.count or record.swimmers", file=sys.stderr)
+        sys.exit(2)
     except BrokenPipeError:  # the reader of our output has gone: nothing to say, and nobody to say it to
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
@@ -65,23 +71,23 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
-    from porous_swim.analysis.summary import summary_lines
     from porous_swim.results import RunFolder
     from porous_swim.simulation import run_in
 
     options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
     loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})
-    folder = RunFolder.next_free(loaded.name) if out is None else RunFolder.at(out, overwrite=force)
-    results = run_in(loaded, folder, progress=not quiet, recording=not no_recording)
+    results = run_in(
+        lambda: RunFolder.next_free(loaded.name) if out is None else RunFolder.at(out, overwrite=force),
+        scene=loaded,
+        progress=not quiet,
+        recording=not no_recording,
+    )
     if not quiet:
-        for line in summary_lines(results.summary):
-            print(line)
-    print(folder.path)
+        _print_summary(results.summary)
+    print(results.folder)
     if results.summary["status"] == "interrupted":
-        print(
-            f"interrupted at time {results.info.last_time:g} a/U; what was recorded is in {folder.path}",
-            file=sys.stderr,
-        )
+        time = results.info.last_time
+        print(f"interrupted at time {time:g} a/U; what was seen until then is kept", file=sys.stderr)
         raise typer.Exit(130)
 
 
@@ -91,9 +97,7 @@ def check(scene: SceneFile, changes: Changes = None) -> None:
     from porous_swim.inspection import describe
 
     loaded = _scene(scene, changes, {})
-    console = Console(highlight=False, soft_wrap=True)
-    for label, text in describe(loaded):
-        console.print(f"{label:<24}{text}", markup=False)
+    _print_rows(describe(loaded))
 
 
 @app.command()
@@ -130,6 +134,28 @@ def schema() -> None:
     print(json.dumps(json_schema(), indent=2))
 
 
+def _print_summary(summary: dict[str, Any]) -> None:
+    from porous_swim.analysis.summary import summary_lines
+
+    rows = [(label, text) for label, _, text in (line.partition(": ") for line in summary_lines(summary))]
+    _print_rows([row for row in rows if row[0] != WARNING])
+    _print_rows([row for row in rows if row[0] == WARNING])
+
+
+def _print_rows(rows: list[tuple[str, str]]) -> None:
+    """Two columns; on a terminal long texts are wrapped inside theirs."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        width = max((len(label) for label, _ in rows), default=0)
+        for label, text in rows:
+            print(f"{label:<{width}}  {text}")
+        return
+    table = Table.grid(padding=(0, 2, 0, 0))
+    for label, text in rows:
+        table.add_row(Text(label, style="yellow" if label == WARNING else "bold"), Text(text))
+    console.print(table)
+
+
 def _scene(path: Path, changes: list[str] | None, options: dict[str, object]) -> Scene:
     from porous_swim.document import read_value
     from porous_swim.scene import load_scene
@@ -138,6 +164,9 @@ def _scene(path: Path, changes: list[str] | None, options: dict[str, object]) ->
         key, equals, value = change.partition("=")
         if not equals or not key:
             raise SceneError(f"--set {change}: expected KEY=VALUE, such as swimmers.dipole_strength=0.8")
-        options[key] = read_value(value)
+        try:
+            options[key] = read_value(value)
+        except SceneError as error:
+            raise SceneError(f"--set {change}: {error}") from None
     scene = load_scene(path)
     return scene.replace(options) if options else scene

@@ -8,7 +8,9 @@ from typing import Literal
 import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
+from porous_swim.engine.probe import height_at_sine
 from porous_swim.observers.recording import recording_size
+from porous_swim.obstacles.field import ObstacleField
 from porous_swim.scene import Scene
 
 NANOSECONDS = {"f32": 30.0, "f64": 60.0}  # a swimmer-step on one core of a present-day CPU, within a factor of two
@@ -16,31 +18,65 @@ BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
-    """(label, text) for each thing worth knowing before the run; the last ones are warnings."""
+    """(label, text) for each thing worth knowing before the run; the last ones are warnings.
+
+    Colloids and swimmers are placed, so SceneError where they do not fit, as in the run itself.
+    """
+    gamma = scene.swimmers.aspect_ratio
     field = scene.place_obstacles()
-    n, D, D_r = scene.swimmers.count, scene.translational_diffusion, scene.rotational_diffusion
-    steps = scene.n_steps
-    rows = [
-        ("scene", f"{scene.name} ({scene.scene_id}){': ' + scene.description if scene.description else ''}"),
-        ("swimmers", f"{n:,}, alpha {scene.swimmers.dipole_strength:g}, gamma {scene.swimmers.aspect_ratio:g}"),
-        ("colloids", f"{len(field.radii):,} in {field.dimensions} dimensions, {_box(field.box)}"),
-    ]
-    if field.packing_fraction is not None:
-        rows.append(("packing fraction", f"{field.packing_fraction:.4f}"))
-    rows.append(("noise", f"1/D = {_inverse(D)}, 1/D_r = {_inverse(D_r)}" if D or D_r else "none"))
-    rows += _critical(scene, field.radii)
+    scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma))
+    rows = [("scene", f"{scene.name} ({scene.scene_id})")]
+    if scene.description:
+        rows.append(("", scene.description))
+    rows += [("swimmers", _swimmers(scene)), ("noise", _noise(scene)), ("colloids", _colloids(field))]
+    rows += [*_critical(scene, field.radii), *_units(scene), *_costs(scene)]
+    return rows + [("warning", text) for text in scene.warnings(field)]
+
+
+def _swimmers(scene: Scene) -> str:
+    alpha, gamma = scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio
+    kind = "neutral swimmer" if alpha == 0.0 else "pusher" if alpha > 0.0 else "puller"
+    shape = "spheres" if gamma == 1.0 else f"aspect ratio gamma = {gamma:g}"
+    return f"{_count(scene.swimmers.count, kind)} with alpha = {alpha:.4g}, {shape}"
+
+
+def _noise(scene: Scene) -> str:
+    D, D_r = scene.translational_diffusion, scene.rotational_diffusion
+    if D == D_r == 0.0:
+        return "none"
+    return f"D = {D:.4g} (1/D = {_inverse(D)}), D_r = {D_r:.4g} (1/D_r = {_inverse(D_r)})"
+
+
+def _colloids(field: ObstacleField) -> str:
+    if len(field.radii) == 0:
+        return f"none, in {field.dimensions} dimensions"
+    edges = " x ".join(f"{edge:g}" for edge in field.box if edge > 0.0)
+    place = f"a periodic box of {edges} a" if edges else "open space"
+    kind = "area" if field.dimensions == 2 else "volume"
+    share = "" if field.packing_fraction is None else f"; packing fraction ({kind}) {field.packing_fraction:.4f}"
+    return f"{_count(len(field.radii), 'colloid')} in {field.dimensions} dimensions, in {place}{share}"
+
+
+def _units(scene: Scene) -> list[tuple[str, str]]:
+    if (units := scene.unit_system) is None:
+        return []
+    return [("units", f"a = {units.length:g} um, U = {units.speed:g} um/s, a/U = {units.time:g} s")]
+
+
+def _costs(scene: Scene) -> list[tuple[str, str]]:
+    n, steps = scene.swimmers.count, scene.n_steps
     seconds = n * steps * NANOSECONDS[scene.precision] * 1e-9
     frames = steps // scene.record_period + 1
     size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
-    rows += [
-        ("steps", f"{steps:,} of {scene.run.time_step:g} a/U, {scene.precision}"),
-        ("expected time", f"about {_duration(seconds)} of one CPU core, and some seconds to compile"),
-        ("memory", f"{n * BYTES[scene.precision] / 1e6:.3g} MB for the swimmers on the device"),
-        ("recording", f"about {size / 1e6:.2g} MB: {scene.n_recorded:,} swimmers, {frames:,} frames"),
-    ]
+    end = f"{scene.run.duration:g} a/U"
     if (units := scene.unit_system) is not None:
-        rows.append(("units", f"a = {units.length:g} um, U = {units.speed:g} um/s, a/U = {units.time:g} s"))
-    return rows + [("warning", text) for text in scene.warnings(field)]
+        end += f" ({scene.run.duration * units.time:g} s)"
+    return [
+        ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}"),
+        ("expected time", f"{_duration(seconds)} on one CPU core, and half a minute to compile at the first time"),
+        ("memory", f"{_bytes(n * BYTES[scene.precision])} for the swimmers on the device"),
+        ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
+    ]
 
 
 def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
@@ -50,28 +86,38 @@ def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
     order: Literal["exact", "leading"] = "exact" if scene.swimmers.aspect_ratio == 1.0 else "leading"
     A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio, order=order)
     if math.isinf(A_c):
-        return [("A_c", "infinite: without a dipole no radius captures")]
+        return [("A/A_c", "0: without a dipole no radius captures")]
     values = np.unique(radii)
-    ratios = ", ".join(f"{A / A_c:.3g} (A = {A:g})" for A in values[:6])
+    ratios = ", ".join(f"{_short(A / A_c)} (A = {A:g})" for A in values[:6])
     if len(values) > 6:
-        ratios = f"{values[0] / A_c:.3g} to {values[-1] / A_c:.3g} (A = {values[0]:g} to {values[-1]:g})"
-    return [("A/A_c", f"{ratios}; A_c = {A_c:.5g} ({order})")]
+        ratios = f"{_short(values[0] / A_c)} to {_short(values[-1] / A_c)} (A = {values[0]:g} to {values[-1]:g})"
+    return [("A/A_c", f"{ratios}; A_c = {A_c:.4g} ({'exact' if order == 'exact' else 'to leading order'})")]
 
 
-def _box(box: np.ndarray) -> str:
-    edges = " x ".join(f"{edge:g}" for edge in box if edge > 0.0)
-    return f"periodic box {edges}" if edges else "open space"
+def _count(n: int, noun: str) -> str:
+    return f"{n:,} {noun}{'' if n == 1 else 's'}"
+
+
+def _short(number: float) -> str:
+    """Three digits, never as a power of ten where that is no help."""
+    return f"{number:,.0f}" if 100.0 <= number < 1e9 else f"{number:.3g}"
 
 
 def _inverse(rate: float) -> str:
     return f"{1.0 / rate:.4g} a/U" if rate > 0.0 else "infinite"
 
 
+def _bytes(n: float) -> str:
+    for size, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if n >= size:
+            return f"{n / size:.2g} {unit}" if n < 100 * size else f"{n / size:.0f} {unit}"
+    return f"{n:.0f} bytes"
+
+
 def _duration(seconds: float) -> str:
-    return (
-        f"{seconds:.0f} s"
-        if seconds < 100
-        else f"{seconds / 60:.0f} min"
-        if seconds < 6000
-        else f"{seconds / 3600:.1f} h"
-    )
+    if seconds < 1.0:
+        return "under a second"
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"about {seconds / size:.2g} {unit}"
+    return f"about {seconds:.2g} s"

@@ -2,53 +2,65 @@
 
 from __future__ import annotations
 
-import math
-import platform
-import signal
+import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.metadata import version
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from porous_swim.analysis.summary import summarize, summary_page
 from porous_swim.engine import backend
+from porous_swim.engine.backend import Backend
 from porous_swim.engine.engine import Engine, Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Every, Frame, Observer
-from porous_swim.observers.progress import make_progress
-from porous_swim.observers.recording import Recording, recording_warning
-from porous_swim.observers.timeseries import TimeSeries
-from porous_swim.observers.trajectory import Trajectory
+from porous_swim.errors import RunError
+from porous_swim.interrupts import Interrupts
+from porous_swim.observation import Observers
+from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.noise import Brownian
-from porous_swim.results import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, Results, RunFolder, TableInfo, make_table
+from porous_swim.results import Results, RunFolder, TableInfo
 from porous_swim.scene import Scene
+from porous_swim.swarm import Swimmers
 
 LOOK_SECONDS = 0.5  # between looks at the keyboard and at the clock; decides no result
-PACKAGES = ("porous_swim", "taichi", "numpy", "scipy", "pyarrow", "rerun-sdk", "pydantic")
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A device that runs, and what stands at t = 0: all that can fail by the user's hand, and quick to make."""
+
+    backend: Backend
+    field: ObstacleField
+    swimmers: Swimmers
+
+    @classmethod
+    def of(cls, scene: Scene) -> Start:
+        """Start the device and place colloids and swimmers. SceneError, DeviceError as the scene deserves."""
+        started = backend.ensure(scene.run.device, scene.run.threads)
+        field = scene.place_obstacles()
+        gamma = scene.swimmers.aspect_ratio
+        return cls(started, field, scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma)))
 
 
 class Simulation:
-    """A scene placed on a device: advance it with `run`, or step by step with `advance` and look at `frame`."""
+    """A scene placed on a device: advance it step by step with `advance` and look at `frame`."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Place colloids and swimmers and compile the kernel. SceneError, DeviceError as the scene deserves."""
-        self.scene = scene
-        self.backend = backend.ensure(scene.run.device, scene.run.threads)
-        self.field: ObstacleField = scene.place_obstacles()
-        gamma = scene.swimmers.aspect_ratio
-        swimmers = scene.place_swimmers(self.field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma))
+    def __init__(self, scene: Scene, start: Start | None = None) -> None:
+        """Compile the kernel for a scene and its start, by default `Start.of(scene)`."""
+        start = Start.of(scene) if start is None else start
+        self.scene, self.backend, self.field = scene, start.backend, start.field
         noise = scene.noise
+        flow = type(scene.hydrodynamics) if len(self.field.radii) else NoHydrodynamics  # nothing reflects
         self.engine = Engine(
-            self.backend, self.field, swimmers.position, swimmers.director, laws=laws_of(scene),
+            self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
             numbers=Numbers(
                 scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed
             ),
-            hydrodynamics=type(scene.hydrodynamics), precision=scene.precision,
+            hydrodynamics=flow, precision=scene.precision,
             variates=noise.variates if isinstance(noise, Brownian) else None,
         )  # fmt: skip
 
@@ -108,124 +120,63 @@ def run(
         scene: what to run.
         out: the run folder; None keeps everything in memory, without a recording.
         overwrite: allow `out` to hold an earlier run, whose files are replaced.
-        progress: show a bar on stderr.
+        progress: say on stderr how far the run is.
         recording: write `recording.rrd`.
 
     Raises:
         SceneError: colloids overlap or swimmers do not fit.
         DeviceError: the device of the scene is not here.
         ResultsError: `out` is not empty, or cannot be written.
-        RunError: a swimmer could not go on, or the disk is full.
+        RunError: a swimmer could not go on, or the disk is full; `out` keeps what was seen before, as far as it can.
 
     An interrupt (Ctrl-C, SIGTERM) ends the run at the next look; the results say `interrupted`.
     """
-    folder = None if out is None else RunFolder.at(out, overwrite=overwrite)
-    return run_in(scene, folder, progress=progress, recording=recording)
+    return run_in(
+        lambda: None if out is None else RunFolder.at(out, overwrite=overwrite),
+        scene=scene, progress=progress, recording=recording,
+    )  # fmt: skip
 
 
-def run_in(scene: Scene, folder: RunFolder | None, *, progress: bool, recording: bool = True) -> Results:
-    """The same, in a run folder that has been made."""
-    with _interrupts() as interrupted:
-        simulation = Simulation(scene)
+def run_in(
+    make_folder: Callable[[], RunFolder | None], *, scene: Scene, progress: bool, recording: bool = True
+) -> Results:
+    """The same in a folder that is made only when the scene is known to start, so that a mistake costs no old run."""
+    with Interrupts() as interrupts:
+        start = Start.of(scene)
+        folder = make_folder()
         if folder is not None:
-            scene.save(folder.path)
+            _save_scene(scene, folder)
+        if progress:
+            print(_device_line(scene, start.backend), file=sys.stderr, flush=True)
+        with interrupts.while_compiling():
+            simulation = Simulation(scene, start)
         observers = Observers(simulation, folder, progress=progress, recording=recording)
         try:
-            rate = _advance(simulation, observers, interrupted)
+            rate = _advance(simulation, observers, interrupts)
+            return observers.results(rate=rate)
+        except RunError as error:
+            observers.rescue(error)
+            raise
         except BaseException:
             observers.finish(interrupted=True)
             raise
-        return observers.results(rate=rate, interrupted=simulation.step < scene.n_steps)
 
 
-class Observers:
-    """Everyone who looks at a run, and what they make of it."""
-
-    def __init__(self, simulation: Simulation, folder: RunFolder | None, *, progress: bool, recording: bool) -> None:
-        scene = simulation.scene
-        self._simulation, self._folder = simulation, folder
-        self.schedule = Every(scene.record_period)
-        path = None if folder is None else folder.path
-        recorded = np.arange(scene.n_recorded)
-        self.series = TimeSeries(self.schedule)
-        self.trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / "trajectory.parquet")
-        self.clock = make_progress(
-            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress
-        )
-        self.all: list[Observer] = [self.series, self.trajectory, self.clock]
-        self.warnings = scene.warnings(simulation.field)
-        self.recording: Recording | None = None
-        if path is not None and recording:
-            self._record(path / "recording.rrd", recorded)
-
-    def observe(self) -> None:
-        """Show the present frame to everyone."""
-        frame = self._simulation.frame()
-        for observer in self.all:
-            observer.observe(frame)
-
-    def finish(self, *, interrupted: bool) -> None:
-        """Let everyone close what is open."""
-        for observer in self.all:
-            observer.finish(interrupted=interrupted)
-
-    def results(self, *, rate: float | None, interrupted: bool) -> Results:
-        """Tables, summary and recording of the run, written where there is a folder."""
-        simulation, scene = self._simulation, self._simulation.scene
-        status = "interrupted" if interrupted else "finished"
-        provenance = provenance_of(simulation) | {"swimmer_steps_per_second": rate}
-        info = simulation.table_info(provenance)
-        encounters = make_table(ENCOUNTERS_SCHEMA, simulation.engine.encounters(), info=info)
-        colloids = colloid_table(simulation.field, info)
-        series, trajectory = self.series.table(info), None
-        D_r = scene.rotational_diffusion
-        persistence = math.inf if D_r == 0.0 else 1.0 / ((simulation.field.dimensions - 1) * D_r)
-        self.trajectory.finish(interrupted=interrupted)
-        trajectory = self.trajectory.table(info)
-        summary = {"status": status, "provenance": provenance} | summarize(
-            encounters, colloids, series, trajectory, persistence_time=persistence, warnings=self.warnings
-        )
-        if self.recording is not None:
-            self.recording.set_summary(summary_page(summary))
-        self.finish(interrupted=interrupted)
-        results = Results(encounters, colloids, series, trajectory, summary, None, info)
-        return results if self._folder is None else self._folder.write(results)
-
-    def _record(self, path: Path, recorded: np.ndarray) -> None:
-        scene, field = self._simulation.scene, self._simulation.field
-        units = scene.unit_system
-        n_frames = scene.n_steps // scene.record_period + 1
-        too_large = recording_warning(n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails)
-        self.warnings += [] if too_large is None else [too_large]
-        self.recording = Recording(
-            path, self.schedule, field, name=scene.name, description=scene.description,
-            recording_id=f"{scene.scene_id}-{scene.run.seed}", time_step=scene.run.time_step, n_steps=scene.n_steps,
-            swimmer_radius=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
-            provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
-        )  # fmt: skip
-        self.all.append(self.recording)
-
-
-def _advance(simulation: Simulation, observers: Observers, interrupted: list[int]) -> float | None:
-    """Run to the end or to an interrupt; return swimmer-steps per second, the first launch (compiling) left out."""
+def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts) -> float | None:
+    """Run to the end or to an interrupt; return swimmer-steps per second."""
     end, schedule = simulation.scene.n_steps, observers.schedule
     observers.observe()
-    simulation.advance(1)
-    observers.clock.start(step=simulation.step)
-    begin = last = time.perf_counter()
-    first, at_once = simulation.step, 1
-    while simulation.step < end and not interrupted:
+    observers.clock.start(step=0)
+    begin, at_once = time.perf_counter(), 1
+    while simulation.step < end and not interrupts:
         due = min(schedule.next_step(simulation.step), end)
+        last = time.perf_counter()
         simulation.advance(min(at_once, due - simulation.step))
-        now = time.perf_counter()
-        at_once = _next_launch(at_once, now - last)
-        last = now
+        at_once = _next_launch(at_once, time.perf_counter() - last)
         if simulation.step == due:
             observers.observe()
-            last = time.perf_counter()
-    if first == end or (interrupted and simulation.step % schedule.period):
-        observers.observe()
-    steps = (simulation.step - first) * simulation.engine.n_swimmers
+    observers.observe()  # an interrupt may come between two frames
+    steps = simulation.step * simulation.engine.n_swimmers
     return steps / (time.perf_counter() - begin) if steps > 0 else None
 
 
@@ -236,40 +187,15 @@ def _next_launch(steps: int, seconds: float) -> int:
     return max(1, steps // 2) if seconds > LOOK_SECONDS else steps
 
 
-def colloid_table(field: ObstacleField, info: TableInfo) -> Any:
-    """The colloids as a table."""
-    x, y, z = field.centers.T
-    columns = dict(colloid=np.arange(len(x)), x=x, y=y, z=z, radius=field.radii)
-    return make_table(COLLOIDS_SCHEMA, columns, info=info)
+def _device_line(scene: Scene, started: Backend) -> str:
+    """What computes and why, while the user waits for the compiler."""
+    device = started.device.upper() if started.device in ("cpu", "cuda") else started.device.capitalize()
+    why = ", as no CUDA or Metal device was found" if scene.run.device == "auto" and started.is_cpu else ""
+    return f"computing on {device} in {scene.precision}{why}; compiling (half a minute at the first time, then cached)"
 
 
-def provenance_of(simulation: Simulation) -> dict[str, Any]:
-    """What made a run: enough to make it again."""
-    scene = simulation.scene
-    return {
-        "version": version("porous_swim"), "scene": scene.name, "scene_id": scene.scene_id, "seed": scene.run.seed,
-        "device": simulation.backend.device, "precision": scene.precision, "threads": simulation.backend.threads,
-        "python": platform.python_version(), "packages": {name: version(name) for name in PACKAGES[1:]},
-    }  # fmt: skip
-
-
-@contextmanager
-def _interrupts() -> Iterator[list[int]]:
-    """A list that Ctrl-C and SIGTERM append to. A second Ctrl-C interrupts at once."""
-    seen: list[int] = []
-
-    def note(number: int, _frame: object) -> None:
-        if seen:
-            raise KeyboardInterrupt
-        seen.append(number)
-
+def _save_scene(scene: Scene, folder: RunFolder) -> None:
     try:
-        before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    except ValueError:  # not in the main thread, which alone may handle signals
-        yield seen
-        return
-    try:
-        yield seen
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        scene.save(folder.path)
+    except OSError as error:
+        raise RunError(f"{folder.path}: the scene cannot be written: {error.strerror or error}") from None

@@ -25,7 +25,7 @@ class Layout:
     periodic: bool
     has_colloids: bool
     has_trails: bool
-    has_faint_colloids: bool  # whether colloids are too many to be see-through
+    crowded: bool  # whether colloids are too many to see through: open on the tracked swimmers
 
     def blueprint(self) -> rrb.Blueprint:
         """The layout as Rerun takes it."""
@@ -50,9 +50,9 @@ class Layout:
         views = [self._world("All recorded swimmers", all_swimmers)]
         if self.has_trails:
             tracked = ["$origin/**", "- /world/swimmers"]
-            tracked.append("- /world/colloids" if self.has_faint_colloids else "- /world/visited")
+            tracked.append("- /world/colloids" if self.crowded else "- /world/visited")
             views.append(self._world("Tracked swimmers", tracked))
-        return rrb.Tabs(*views, active_tab=0) if len(views) > 1 else views[0]
+        return rrb.Tabs(*views, active_tab=int(self.crowded)) if len(views) > 1 else views[0]
 
     def _world(self, name: str, contents: list[str]) -> rrb.Spatial3DView:
         position, up = self.scenery.eye()

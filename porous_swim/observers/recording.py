@@ -167,7 +167,7 @@ class Recording:
             periodic=self._field.periodic,
             has_colloids=len(self._field.centers) > 0,
             has_trails=len(self._trails) > 0,
-            has_faint_colloids=self._crowded,
+            crowded=self._crowded,
         )
 
     def _write_page(self, text: str) -> None:

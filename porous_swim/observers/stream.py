@@ -7,6 +7,7 @@ whole.
 
 from __future__ import annotations
 
+import ctypes
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -68,9 +69,16 @@ class RecordingFile:
         try:
             self.stream.flush(timeout_sec=_FLUSH_SECONDS)
         except (RuntimeError, TimeoutError) as error:
+            self._abandon()
             raise RunError(
                 f"{self._part}: the recording stopped, is the disk full? ({_reason(error)})"
             ) from None
+
+    def _abandon(self) -> None:
+        # At exit, and when the stream is freed, the SDK flushes once more without a limit and may never
+        # return (seen for one full disk in ten): keep it from both.
+        rr.unregister_shutdown()
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.stream))
 
     def close(self) -> None:
         """Write the footer, check that it can be read, and give the file its name."""

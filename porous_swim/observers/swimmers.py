@@ -59,8 +59,8 @@ class SwimmerTrack:
             for name, columns in (("swimmers", points), ("directors", arrows), ("trails", strips)):
                 self._send(f"world/tracked/{name}", columns, n=len(self._trails))
         for lane, changes in self._changes.items():
-            steps, times, states = (list(column) for column in zip(*changes, strict=True))
-            self._file.send(lane, rr.StateChange.columns(state=states), steps=steps, times=times)
+            steps, times, names = (list(part) for part in zip(*changes, strict=True))
+            self._file.send(lane, rr.StateChange.columns(state=names), steps=steps, times=times)
         self._frames, self._rows, self._changes = [], {}, {}
         self._file.flush()
 

@@ -57,7 +57,7 @@ class Scenery:
             distance = 0.5 * float(np.max(edges)) / _HALF_VIEW
         else:
             direction, up = np.array([0.55, -0.85, 0.5]), np.array([0.0, 0.0, 1.0])
-            distance = 0.46 * float(np.linalg.norm(self.upper - self.lower)) / _HALF_VIEW
+            distance = 0.52 * float(np.linalg.norm(self.upper - self.lower)) / _HALF_VIEW
         return self.center + _MARGIN * distance * direction / np.linalg.norm(direction), up
 
     def drawn_radius(self, swimmer_radius: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -55,8 +56,9 @@ class Disorder(Part):
             box = np.zeros(3)
         return checked_field(centers, radii, box=box, dimensions=domain.dimensions, key="obstacles")
 
+    @abstractmethod
     def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        raise NotImplementedError
+        """Return (n, d) centres of spheres of `radii` (n,) in the periodic `box` (d,)."""
 
     def _radii_and_box(self, domain: Domain) -> tuple[np.ndarray, np.ndarray]:
         """Return radii (n,), the largest first, and the edges (3,) of the box."""

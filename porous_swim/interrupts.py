@@ -1,0 +1,65 @@
+"""Ctrl-C and SIGTERM: the first one lets a run end cleanly, the second one ends the process at once."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Interrupts:
+    """A context in which the first signal is only noted: true once there was one."""
+
+    def __init__(self) -> None:
+        self._seen = False
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __bool__(self) -> bool:
+        return self._seen
+
+    def __enter__(self) -> Interrupts:
+        try:
+            self._before = {number: signal.signal(number, self._note) for number in SIGNALS}
+        except ValueError:  # not in the main thread, which alone may handle signals
+            self._before = {}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    @contextmanager
+    def while_compiling(self) -> Iterator[None]:
+        """The same where Python cannot run a handler: Taichi compiles for seconds without letting go of it."""
+        if self._before:
+            _make_one_shot()
+        try:
+            yield
+        finally:
+            for number in self._before:
+                signal.signal(number, self._note)
+
+    def _note(self, _number: int, _frame: FrameType | None) -> None:
+        if self._seen:
+            raise KeyboardInterrupt
+        self._seen = True
+
+
+def _make_one_shot() -> None:
+    """Have the C library forget Python's handlers after one signal each, so that the next one kills.
+
+    The `signal` module cannot ask for that (SA_RESETHAND). Without glibc the second signal, too, waits for the
+    compiler.
+    """
+    libc = ctypes.CDLL(None)
+    if not hasattr(libc, "sysv_signal"):
+        return
+    for function in (libc.signal, libc.sysv_signal):
+        function.argtypes, function.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_void_p
+    for number in SIGNALS:
+        libc.sysv_signal(number, libc.signal(number, None))

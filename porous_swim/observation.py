@@ -1,0 +1,146 @@
+"""Everyone who looks at a run, and the results that they leave."""
+
+from __future__ import annotations
+
+import math
+import platform
+from contextlib import suppress
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from porous_swim.analysis.summary import summarize, summary_page
+from porous_swim.errors import RunError
+from porous_swim.observers.base import Every, Observer
+from porous_swim.observers.progress import make_progress
+from porous_swim.observers.recording import Recording, recording_warning
+from porous_swim.observers.timeseries import TimeSeries
+from porous_swim.observers.trajectory import Trajectory
+from porous_swim.obstacles.field import ObstacleField
+from porous_swim.results import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, Results, RunFolder, TableInfo, make_table
+
+if TYPE_CHECKING:
+    from porous_swim.simulation import Simulation
+
+PACKAGES = ("taichi", "numpy", "scipy", "pyarrow", "rerun-sdk", "pydantic")
+
+
+class Observers:
+    """Shows the frames of a run to all observers and makes its results of what they saw."""
+
+    def __init__(self, simulation: Simulation, folder: RunFolder | None, *, progress: bool, recording: bool) -> None:
+        scene = simulation.scene
+        self._simulation, self._folder = simulation, folder
+        self.schedule = Every(scene.record_period)
+        path = None if folder is None else folder.path
+        recorded = np.arange(scene.n_recorded)
+        self._series = TimeSeries(self.schedule)
+        self._trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / "trajectory.parquet")
+        self.clock = make_progress(
+            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress
+        )
+        self._all: list[Observer] = [self._series, self._trajectory, self.clock]
+        self._warnings = scene.warnings(simulation.field)
+        self._recording: Recording | None = None
+        self._last = -1, 0.0  # step and time of the last frame
+        if path is not None and recording:
+            self._record(path / "recording.rrd", recorded)
+
+    def observe(self) -> None:
+        """Show the present frame to everyone, unless they have seen it."""
+        if self._last[0] == self._simulation.step:
+            return
+        frame = self._simulation.frame()
+        self._last = frame.step, frame.time
+        for observer in self._all:
+            observer.observe(frame)
+
+    def finish(self, *, interrupted: bool) -> None:
+        """Let everyone close what is open."""
+        for observer in self._all:
+            observer.finish(interrupted=interrupted)
+
+    def results(self, *, rate: float | None) -> Results:
+        """Tables, summary and recording of a run that came to its end or was interrupted."""
+        simulation = self._simulation
+        interrupted = simulation.step < simulation.scene.n_steps
+        return self._results(
+            "interrupted" if interrupted else "finished", simulation.engine.encounters(),
+            time=simulation.time, rate=rate, warnings=self._warnings,
+        )  # fmt: skip
+
+    def rescue(self, error: RunError) -> None:
+        """Keep what was seen before a run failed; where even that fails, the run's own error is what matters."""
+        time = self._last[1]
+        missing = f"The run failed after time {time:g} a/U; encounters under way then are missing. ({error})"
+        with suppress(Exception):
+            columns = self._simulation.engine.encounters()
+            # swimmers stand at different steps now: only what had ended by the last frame is sure to be whole
+            seen = ~columns["end_censored"] & (columns["end_time"] <= time)
+            columns = {name: column[seen] for name, column in columns.items()}
+            self._results("failed", columns, time=time, rate=None, warnings=[missing, *self._warnings])
+
+    def _results(
+        self, status: str, encounters: dict[str, np.ndarray], *, time: float, rate: float | None, warnings: list[str]
+    ) -> Results:
+        simulation, scene = self._simulation, self._simulation.scene
+        provenance = provenance_of(simulation) | {"swimmer_steps_per_second": rate}
+        info = replace(simulation.table_info(provenance), last_time=time)
+        interrupted = status != "finished"
+        self._trajectory.finish(interrupted=interrupted)
+        tables = {
+            "encounters": make_table(ENCOUNTERS_SCHEMA, encounters, info=info),
+            "colloids": colloid_table(simulation.field, info),
+            "timeseries": self._series.table(info),
+            "trajectory": self._trajectory.table(info),
+        }
+        D_r = scene.rotational_diffusion
+        persistence = math.inf if D_r == 0.0 else 1.0 / ((simulation.field.dimensions - 1) * D_r)
+        statistics = summarize(**tables, persistence_time=persistence, warnings=warnings)
+        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
+        if self._recording is not None:
+            self._recording.set_summary(summary_page(summary))
+        self.finish(interrupted=interrupted)
+        results = Results(**tables, summary=summary, folder=None, info=info)
+        return results if self._folder is None else _write(results, self._folder)
+
+    def _record(self, path: Path, recorded: np.ndarray) -> None:
+        scene, field = self._simulation.scene, self._simulation.field
+        units = scene.unit_system
+        n_frames = scene.n_steps // scene.record_period + 1
+        too_large = recording_warning(n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails)
+        self._warnings += [] if too_large is None else [too_large]
+        self._recording = Recording(
+            path, self.schedule, field, name=scene.name, description=scene.description,
+            recording_id=f"{scene.scene_id}-{scene.run.seed}", time_step=scene.run.time_step, n_steps=scene.n_steps,
+            swimmer_radius=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
+            provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
+        )  # fmt: skip
+        self._all.append(self._recording)
+
+
+def _write(results: Results, folder: RunFolder) -> Results:
+    try:
+        return folder.write(results)
+    except OSError as error:
+        raise RunError(f"{folder.path}: the tables cannot be written: {error.strerror or error}") from None
+
+
+def colloid_table(field: ObstacleField, info: TableInfo) -> Any:
+    """The colloids as a table."""
+    x, y, z = field.centers.T
+    columns = dict(colloid=np.arange(len(x)), x=x, y=y, z=z, radius=field.radii)
+    return make_table(COLLOIDS_SCHEMA, columns, info=info)
+
+
+def provenance_of(simulation: Simulation) -> dict[str, Any]:
+    """What made a run: enough to make it again."""
+    scene = simulation.scene
+    return {
+        "version": version("porous_swim"), "scene": scene.name, "scene_id": scene.scene_id, "seed": scene.run.seed,
+        "device": simulation.backend.device, "precision": scene.precision, "threads": simulation.backend.threads,
+        "python": platform.python_version(), "packages": {name: version(name) for name in PACKAGES},
+    }  # fmt: skip

@@ -1,0 +1,63 @@
+"""What is in a wheel, and what the installed package needs to find."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+import zipfile
+from importlib.metadata import entry_points, version
+from pathlib import Path
+
+import pytest
+from commands import ROOT, SCENES
+
+import porous_swim
+from porous_swim.schema import json_schema
+from porous_swim.templates import NAME_PATTERN
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> zipfile.ZipFile:
+    pytest.importorskip("hatchling", reason="builds a wheel without a network")
+    folder = tmp_path_factory.mktemp("wheel")
+    command = ["pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), str(ROOT)]
+    subprocess.run([sys.executable, "-m", *command], check=True, capture_output=True)
+    (path,) = folder.glob("*.whl")
+    return zipfile.ZipFile(path)
+
+
+def test_a_wheel_holds_every_module_scene_and_the_schema(wheel):
+    names = set(wheel.namelist())
+    modules = {str(path.relative_to(ROOT)) for path in (ROOT / "porous_swim").rglob("*.py")}
+    scenes = {f"porous_swim/scenes/{path.name}" for path in (ROOT / "scenes").iterdir()}
+    assert modules | scenes | {"porous_swim/scene.schema.json"} <= names
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert not any(name.startswith(("tests", "scenes")) for name in names)
+
+
+def test_the_scenes_in_a_wheel_are_those_of_the_repository(wheel):
+    for path in SCENES:
+        assert wheel.read(f"porous_swim/scenes/{path.name}") == path.read_bytes()
+
+
+def test_the_entry_point_is_the_command_line():
+    (script,) = entry_points(group="console_scripts", name="porous-swim")
+    assert script.value == "porous_swim.cli:main"
+
+
+def test_the_version_is_that_of_the_project_file():
+    assert version("porous_swim") == tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+
+
+def test_names_of_templates_are_names_of_scenes():
+    assert json_schema()["properties"]["name"]["pattern"] == f"^{NAME_PATTERN}$"
+
+
+def test_reading_results_loads_neither_taichi_nor_rerun():
+    code = "import sys, porous_swim as ps; ps.load_results, ps.analysis, ps.theory; print(set(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], cwd=Path(porous_swim.__file__).parents[1], check=True,
+                           capture_output=True, text=True).stdout  # fmt: skip
+    assert "'numpy'" in found
+    assert "'taichi'" not in found
+    assert "'rerun'" not in found
