@@ -45,7 +45,8 @@ def save(scene: Scene, folder: Path) -> None:
     for key, path in scene.files.items():
         name = path.name if path.name not in taken else f"{key.split('.')[0]}_{path.name}"
         taken.add(name)
-        shutil.copyfile(path, folder / name)
+        if not (folder / name).exists() or not path.samefile(folder / name):  # a run of a run's own scene
+            shutil.copyfile(path, folder / name)
         _section(data, key)["path"] = name
     (folder / "scene.yaml").write_text(write_yaml(data), encoding="utf-8")
 

@@ -51,7 +51,7 @@ class Run(Part):
 
     time_step: Annotated[Time, Field(gt=0.0)]
     """Length of a step."""
-    duration: Annotated[Time, Field(gt=0.0)]
+    duration: Annotated[Time, Field(gt=0.0, le=1e9)]
     """Length of the run, a whole number of steps."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
     """Every random number follows from it."""

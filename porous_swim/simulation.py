@@ -20,7 +20,6 @@ from porous_swim.interrupts import Interrupts
 from porous_swim.observation import Observers
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.noise import Brownian
 from porous_swim.results import Results, RunFolder, TableInfo
 from porous_swim.scene import Scene
@@ -54,13 +53,12 @@ class Simulation:
         start = Start.of(scene) if start is None else start
         self.scene, self.backend, self.field = scene, start.backend, start.field
         noise = scene.noise
-        flow = type(scene.hydrodynamics) if len(self.field.radii) else NoHydrodynamics  # nothing reflects
         self.engine = Engine(
             self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
             numbers=Numbers(
                 scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed
             ),
-            hydrodynamics=flow, precision=scene.precision,
+            hydrodynamics=type(scene.hydrodynamics), precision=scene.precision,
             variates=noise.variates if isinstance(noise, Brownian) else None,
         )  # fmt: skip
 

@@ -15,7 +15,9 @@ from porous_swim.physics.hydrodynamics import ImageDipole
 def field_of(centers, radii, box=(0.0, 0.0, 0.0), dimensions=3) -> ObstacleField:
     """Spheres given as lists."""
     centers = np.array(centers, dtype=float).reshape(-1, 3)
-    return ObstacleField(centers, np.broadcast_to(np.array(radii, float), len(centers)), np.array(box, float), dimensions)
+    return ObstacleField(
+        centers, np.broadcast_to(np.array(radii, float), len(centers)), np.array(box, float), dimensions
+    )
 
 
 def hexagonal(*, radius=3.5, spacing=10.0, cells=(4, 3)) -> ObstacleField:
@@ -50,7 +52,8 @@ def released(field: ObstacleField, n: int, *, seed=0, clearance=1.01) -> tuple[n
 
 def make_engine(
     field: ObstacleField, position, director, *, alpha=0.8, gamma=1.0, D=0.002, D_r=None, time_step=0.005, seed=1,
-    precision="f32", variates="gaussian", device="cpu", threads=None, hydrodynamics=ImageDipole, escape_sine=2.0, **options,
+    precision="f32", variates="gaussian", device="cpu", threads=None, hydrodynamics=ImageDipole,
+    escape_sine=2.0, **options,
 ) -> Engine:  # fmt: skip
     """An engine for swimmers that share one law; `alpha` and `escape_sine` may be arrays with `law_of`."""
     columns = np.broadcast_arrays(alpha, gamma, D, 0.75 * D if D_r is None else D_r, escape_sine)
@@ -66,6 +69,13 @@ def fingerprint(engine: Engine) -> str:
     """Hash of where all swimmers are and of all encounters, to the bit."""
     now, rows = engine.snapshot(), engine.encounters()
     digest = hashlib.sha256()
-    for array in (now.position, now.director, now.colloid, now.image, now.bound, *(rows[name] for name in sorted(rows))):
+    for array in (
+        now.position,
+        now.director,
+        now.colloid,
+        now.image,
+        now.bound,
+        *(rows[name] for name in sorted(rows)),
+    ):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

@@ -16,25 +16,19 @@ from porous_swim.obstacles.field import ObstacleField
 CONTACT_HEIGHT, CONTACT_BAND, ESCAPE_HEIGHT = 1.0, 0.05, 1.5
 
 
-def hexagonal_crystal(
-    *, cells: tuple[int, int] = (12, 7), spacing: float = 10.0, radius: float = 3.5
-) -> ObstacleField:
+def hexagonal_crystal(*, cells: tuple[int, int] = (12, 7), spacing: float = 10.0, radius: float = 3.5) -> ObstacleField:
     """Two colloids in each orthogonal cell of spacing x sqrt(3) spacing."""
     cell = np.array([spacing, np.sqrt(3.0) * spacing])
     corner = np.stack(np.meshgrid(*map(np.arange, cells), indexing="ij"), axis=-1).reshape(-1, 2)
     planar = np.concatenate([corner + 0.25, corner + 0.75]) * cell
-    return field_of(
-        np.column_stack([planar, np.zeros(len(planar))]), radius, box=(*cell * cells, 0.0), dimensions=2
-    )
+    return field_of(np.column_stack([planar, np.zeros(len(planar))]), radius, box=(*cell * cells, 0.0), dimensions=2)
 
 
 def cubic_lattice(*, cells: int = 4, spacing: float = 12.0, radius: float = 4.0) -> ObstacleField:
     """A face-centred lattice with four colloids in each of cells^3 cubes of that edge."""
     corner = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), axis=-1).reshape(-1, 1, 3)
     basis = np.array([[0.25, 0.25, 0.25], [0.25, 0.75, 0.75], [0.75, 0.25, 0.75], [0.75, 0.75, 0.25]])
-    return field_of(
-        (corner + basis).reshape(-1, 3) * spacing, radius, box=(cells * spacing,) * 3, dimensions=3
-    )
+    return field_of((corner + basis).reshape(-1, 3) * spacing, radius, box=(cells * spacing,) * 3, dimensions=3)
 
 
 def single_colloid(*, radius: float = 20.0, dimensions: int = 3) -> ObstacleField:
@@ -55,18 +49,12 @@ def field_of(centers: np.ndarray, radius: float, *, box: tuple[float, ...], dime
 class Walkers:
     """Swimmers of speed 1 that glide on a colloid once they touch it and leave it at random."""
 
-    def __init__(
-        self, field: ObstacleField, *, n_swimmers: int, seed: int, start: np.ndarray | None = None
-    ) -> None:
+    def __init__(self, field: ObstacleField, *, n_swimmers: int, seed: int, start: np.ndarray | None = None) -> None:
         self.field, self.random = field, np.random.default_rng(seed)
         self.axes = slice(0, field.dimensions)
         planar = field.centers[:, self.axes]
-        self.tree = (
-            cKDTree(planar, boxsize=field.box[self.axes] if field.periodic else None) if len(planar) else None
-        )
-        self.position = (
-            self._release(n_swimmers) if start is None else np.tile(start, (n_swimmers, 1)).astype(float)
-        )
+        self.tree = cKDTree(planar, boxsize=field.box[self.axes] if field.periodic else None) if len(planar) else None
+        self.position = self._release(n_swimmers) if start is None else np.tile(start, (n_swimmers, 1)).astype(float)
         self.director = self._unit(self.random.normal(size=(n_swimmers, 3)))
         if start is not None:
             self.director = self._unit(np.array([1.0, 0.0, 0.0]) + 0.12 * self.director)
@@ -129,9 +117,7 @@ class Walkers:
 
     def _glide(self, gliding: np.ndarray, radial: np.ndarray, height: np.ndarray) -> None:
         normal = radial[gliding]
-        tangent = self.director[gliding] - normal * np.sum(
-            self.director[gliding] * normal, axis=1, keepdims=True
-        )
+        tangent = self.director[gliding] - normal * np.sum(self.director[gliding] * normal, axis=1, keepdims=True)
         self.director[gliding] = self._unit(tangent + 1e-9)
         self.position[gliding] += (CONTACT_HEIGHT - height[gliding, None]) * normal
 

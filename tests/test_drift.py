@@ -26,7 +26,7 @@ def geometry(case):
 
 
 def assert_matches(case, velocity, rate, tolerance):
-    offset, director, radial, across = geometry(case)
+    _, director, radial, across = geometry(case)
     flow = case["u_r"] * radial + case["u_perp"] * across
     # Omega is the rate of the pitch: the director turns by Omega (radial cos - across sin)
     turning = case["Omega"] * (np.cos(case["theta"]) * radial - np.sin(case["theta"]) * across)

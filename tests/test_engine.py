@@ -171,7 +171,7 @@ def test_an_image_beyond_the_counter_stops_the_run():
     ints = engine._swimmers.int.to_numpy()
     ints[Int.IMAGE, 2] = 2**30 + 1
     engine._swimmers.int.from_numpy(ints)
-    with pytest.raises(RunError, match="swimmer 2 .* range of periodic images"):
+    with pytest.raises(RunError, match=r"swimmer 2 .* range of periodic images"):
         engine.advance(2000)
     assert engine._swimmers.int.to_numpy()[Int.STATUS].tolist().count(int(Status.OUTSIDE)) == 1
 

@@ -51,9 +51,7 @@ def test_a_trajectory_holds_the_frames_of_its_swimmers_bit_for_bit():
     image = np.column_stack([table[f"image_{name}"] for name in "xyz"]).reshape(len(FRAMES), 3, 3)
     assert np.array_equal(image, [frame.image[swimmers] for frame in FRAMES])
     for name in ("state", "colloid"):
-        assert np.array_equal(
-            table[name], np.concatenate([getattr(frame, name)[swimmers] for frame in FRAMES])
-        )
+        assert np.array_equal(table[name], np.concatenate([getattr(frame, name)[swimmers] for frame in FRAMES]))
     assert table["swimmer"].to_pylist() == [3, 17, 4] * len(FRAMES)
     assert np.array_equal(table["time"], np.repeat([frame.time for frame in FRAMES], 3))
 

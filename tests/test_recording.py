@@ -41,9 +41,7 @@ def recording(path: Path, field: ObstacleField, **changes: object) -> Recording:
 
 def write(path: Path, field: ObstacleField, *, interrupted: bool = False, seed: int = 1) -> list[Frame]:
     """Record a walk; return its frames."""
-    frames = list(
-        walk(field, n_swimmers=30, n_frames=N_FRAMES, period=PERIOD, time_step=TIME_STEP, seed=seed)
-    )
+    frames = list(walk(field, n_swimmers=30, n_frames=N_FRAMES, period=PERIOD, time_step=TIME_STEP, seed=seed))
     observer = recording(path, field)
     for frame in frames:
         observer.observe(frame)
@@ -73,9 +71,7 @@ def crystal(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ObstacleFie
 def wrapped(position: np.ndarray, field: ObstacleField) -> np.ndarray:
     """`position` in the box, single precision."""
     edge = np.where(field.box > 0.0, field.box, np.inf)
-    return (position - np.floor(position / edge) * np.where(field.box > 0.0, field.box, 0.0)).astype(
-        np.float32
-    )
+    return (position - np.floor(position / edge) * np.where(field.box > 0.0, field.box, 0.0)).astype(np.float32)
 
 
 def test_positions_and_states_come_back_bit_for_bit(crystal):
@@ -95,9 +91,7 @@ def test_an_open_field_shows_positions_as_they_are(tmp_path: Path):
 
 def test_both_time_lines_count_steps_and_simulated_time_and_no_clock(crystal):
     path, _, frames = crystal
-    batches = [
-        chunk.to_record_batch() for chunk in RrdReader(path).stream().filter(content="/world/swimmers")
-    ]
+    batches = [chunk.to_record_batch() for chunk in RrdReader(path).stream().filter(content="/world/swimmers")]
     moving = next(batch for batch in batches if "step" in batch.schema.names)
     assert moving.column("step").to_pylist() == [frame.step for frame in frames]
     # a duration is stored in whole nanoseconds
@@ -162,9 +156,7 @@ def test_lanes_hold_the_changes_of_state(crystal):
     states = np.array([frame.state[TRAILS[0]] for frame in frames])
     names = np.array(["free", "bound", "in contact"])[states]
     expected = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
-    assert (
-        np.ravel(column(path, f"/states/swimmer_{TRAILS[0]:06d}", "StateChange:state")).tolist() == expected
-    )
+    assert np.ravel(column(path, f"/states/swimmer_{TRAILS[0]:06d}", "StateChange:state")).tolist() == expected
 
 
 def test_a_recording_carries_its_layout_and_provenance(crystal):
@@ -190,10 +182,7 @@ def test_an_interrupted_run_says_so_in_summary_and_log(tmp_path: Path):
     for frame in walk(hexagonal_crystal(), n_swimmers=30, n_frames=5, period=PERIOD):
         observer.observe(frame)
     observer.finish(interrupted=True)
-    assert (
-        "**Interrupted** at step 200 of 2,950"
-        in column(path, "/summary", "TextDocument:text", static=True)[-1][0]
-    )
+    assert "**Interrupted** at step 200 of 2,950" in column(path, "/summary", "TextDocument:text", static=True)[-1][0]
     assert column(path, "/log", "TextLog:text")[-1] == ["interrupted at step 200 of 2950"]
 
 
@@ -202,9 +191,7 @@ def test_changing_a_frame_after_it_was_seen_changes_nothing_in_the_file(crystal,
     observer = recording(tmp_path / "r.rrd", field)
     for frame in frames:
         names = [item.name for item in dataclasses.fields(frame)]
-        arrays = {
-            name: np.copy(getattr(frame, name)) for name in names if name not in ("step", "time", "counts")
-        }
+        arrays = {name: np.copy(getattr(frame, name)) for name in names if name not in ("step", "time", "counts")}
         copy = dataclasses.replace(frame, **arrays)
         observer.observe(copy)
         for name in arrays:
@@ -239,9 +226,7 @@ def test_a_recording_takes_fourteen_bytes_for_a_swimmer_in_a_frame(tmp_path: Pat
     sizes = []
     for n_frames in (20, 120):
         path = tmp_path / f"{n_frames}.rrd"
-        observer = recording(
-            path, field, swimmers=np.arange(2000), trails=np.arange(0), n_steps=n_frames * PERIOD
-        )
+        observer = recording(path, field, swimmers=np.arange(2000), trails=np.arange(0), n_steps=n_frames * PERIOD)
         (frame,) = walk(field, n_swimmers=2000, n_frames=1)
         random = np.random.default_rng(1)
         for i in range(n_frames):
@@ -330,9 +315,7 @@ def test_a_full_disk_is_one_sentence(tmp_path: Path):
     # a limit on the size of files stands for the disk: the write fails in the same place
     path = tmp_path / "r.rrd"
     code = FULL_DISK.format(tests=str(Path(__file__).parent), path=str(path))
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     (sentence,) = done.stdout.splitlines()
     assert "disk full" in sentence

@@ -29,9 +29,7 @@ def main() -> None:
     parser.add_argument("--time", type=float, help="simulated time in a/U; by default as the recording opens")
     parser.add_argument("--view", help="name of the one view to show; by default the whole window")
     parser.add_argument("--size", default="1400x900", help="of the window, in points; a point is two pixels")
-    parser.add_argument(
-        "--wait", type=float, default=8.0, help="seconds to settle: messages fade, texts are set"
-    )
+    parser.add_argument("--wait", type=float, default=8.0, help="seconds to settle: messages fade, texts are set")
     options = parser.parse_args()
     with _viewer(options.recording, size=options.size) as viewer:
         if options.time is not None:
@@ -42,9 +40,7 @@ def main() -> None:
             for report in view.reports:
                 print(f"{view.name}: {report.severity}: {report.summary}", file=sys.stderr)
         if options.view is not None and options.view not in views:
-            sys.exit(
-                f"{options.view!r} is no view of {options.recording}: use one of {', '.join(map(str, views))}"
-            )
+            sys.exit(f"{options.view!r} is no view of {options.recording}: use one of {', '.join(map(str, views))}")
         chosen = {} if options.view is None else {"view_id": views[options.view].view_id}
         viewer.save_screenshot(str(options.picture.resolve()), **chosen)
 

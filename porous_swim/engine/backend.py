@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 
 import taichi as ti
 from taichi.lang import impl
@@ -63,10 +65,11 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     if _current == wanted:
         return wanted
     options = {"cpu_max_num_threads": threads} if wanted.threads else {}
-    ti.init(
-        arch=getattr(ti, wanted.device), default_fp=ti.f32, default_ip=ti.i32, fast_math=False, log_level=ti.ERROR,
-        offline_cache=True, unrolling_limit=0, verbose=False, **options,
-    )  # fmt: skip
+    with redirect_stdout(StringIO()):  # Taichi greets on stdout, which is for results
+        ti.init(
+            arch=getattr(ti, wanted.device), default_fp=ti.f32, default_ip=ti.i32, fast_math=False,
+            log_level=ti.ERROR, offline_cache=True, unrolling_limit=0, **options,
+        )  # fmt: skip
     if impl.current_cfg().arch != getattr(ti, wanted.device) and not wanted.is_cpu:
         raise DeviceError(f"device: {wanted.device} was found but could not be started")
     _drop_compiled()

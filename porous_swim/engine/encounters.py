@@ -31,7 +31,7 @@ def make_orient(real, dimensions: int):
         b, image_b = ti.select(none, k, b), ti.select(none, image, image_b)
         bound = n[Int.PHASE, j] == int(Phase.BOUND)
         own = bound & same(k, image, b, image_b)
-        news = ~bound | ~(own | same(k, image, t, image_t))
+        news = (not bound) | (not (own | same(k, image, t, image_t)))
         awaited = (n[Int.PHASE, j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A, j], f[rows.bound_A, j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
@@ -64,7 +64,7 @@ def make_capture(real, dimensions: int, contact_height):
         again = same(b, image_b, k, image)
         ti.atomic_add(swimmers.total[int(Total.CAPTURES)], 1)
         ti.atomic_add(swimmers.total[int(Total.RETURNS)], ti.select(again, 1, 0))
-        ti.atomic_add(swimmers.total[int(Total.HOPS)], ti.select((b >= 0) & ~again, 1, 0))
+        ti.atomic_add(swimmers.total[int(Total.HOPS)], ti.select((b >= 0) & (not again), 1, 0))
 
     @ti.func
     def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
@@ -145,7 +145,7 @@ def make_encounters(real, dimensions: int, contact_height):
                 phase = int(Phase.FREE)
             if escaped:
                 ti.atomic_add(swimmers.total[int(Total.ESCAPES)], 1)
-                awaited = (n[LaneInt.WATCH_PITCH, j] != 0) & ~passed
+                awaited = (n[LaneInt.WATCH_PITCH, j] != 0) & (not passed)
                 phase = ti.select(awaited, int(Phase.LEFT), int(Phase.FREE))
                 if within_reach(f, j, i, swimmers, medium, rules.escape_height):  # a direct hop
                     target = swimmers.int[int(Int.TOUCHED), i]

@@ -18,6 +18,7 @@ from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.errors import RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.physics.hydrodynamics import NoHydrodynamics
 
 LANES = {"f32": 16, "f64": 8}  # on a CPU; a thread of a GPU is one lane
 CHUNK = 4  # steps between looks at events
@@ -78,7 +79,8 @@ class Engine:
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         self._n_blocks = -(-self.n_swimmers // self.lanes)
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
-        self._compile(hydrodynamics, variates, precision, sphere=bool(np.all(laws.aspect_ratio == 1.0)))
+        flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
+        self._compile(flow, variates, precision, sphere=bool(np.all(laws.aspect_ratio == 1.0)))
         cells = build_cells(field, reach=numbers.escape_height)
         rounding = float(np.finfo(self._real).eps)
         self._tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))

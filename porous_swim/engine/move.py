@@ -50,7 +50,7 @@ def make_step(real, dimensions: int, integrate, contact_height):
         n[LaneInt.TOUCH, j] = ti.cast(touch, ti.i32)
         moved = x1 - get(f, rows.reference, j)
         within = moved.dot(moved) <= f[rows.budget, j]  # false for a position that is not finite
-        n[Int.EVENT, j] |= ti.select(on & ~within, int(Event.FINISH), 0)
+        n[Int.EVENT, j] |= ti.select(on & (not within), int(Event.FINISH), 0)
         book(f, n, j, on & within, rules)
 
     return step

@@ -117,7 +117,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
     ):
         x, y, e = get(f, rows.x, j), get(f, rows.trial_x, j), get(f, rows.trial_e, j)
         finite = (y.dot(y) < real(1e30)) & (e.dot(e) < real(1e30))
-        if ~finite:
+        if not finite:
             stop(n, j, i, swimmers, Status.NOT_FINITE)
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)

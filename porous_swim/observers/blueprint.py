@@ -77,9 +77,7 @@ class Layout:
             if length < self.duration
             else rrb.TimeRangeBoundary.infinite()
         )
-        return rrb.VisibleTimeRanges(
-            timeline=TIME, start=start, end=rrb.TimeRangeBoundary.cursor_relative(seconds=0)
-        )
+        return rrb.VisibleTimeRanges(timeline=TIME, start=start, end=rrb.TimeRangeBoundary.cursor_relative(seconds=0))
 
     def _series(self) -> rrb.Tabs:
         whole = rr.TimeRange(
@@ -90,9 +88,7 @@ class Layout:
         legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
 
         def plot(name: str, origin: str, *, axis_y: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:
-            return rrb.TimeSeriesView(
-                name=name, origin=origin, axis_x=axis, axis_y=axis_y, plot_legend=legend
-            )
+            return rrb.TimeSeriesView(name=name, origin=origin, axis_x=axis, axis_y=axis_y, plot_legend=legend)
 
         msd = plot("MSD (a²)", "/series/msd")
         if not self.has_colloids:

@@ -14,16 +14,11 @@ MAX_TRANSLUCENT = 2000  # more take seconds a picture without a GPU; points are 
 
 def log_world(file: RecordingFile, field: ObstacleField) -> None:
     """Log what never changes."""
-    states = [
-        rr.AnnotationInfo(id=state, label=name, color=STATE_COLORS[state])
-        for state, name in STATE_NAMES.items()
-    ]
+    states = [rr.AnnotationInfo(id=state, label=name, color=STATE_COLORS[state]) for state, name in STATE_NAMES.items()]
     file.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.AnnotationContext(states))
     if len(field.centers) > MAX_TRANSLUCENT:
         colors = _depth_shade(field.centers)
-        file.log(
-            "world/colloids", rr.Points3D(_single(field.centers), radii=_single(field.radii), colors=colors)
-        )
+        file.log("world/colloids", rr.Points3D(_single(field.centers), radii=_single(field.radii), colors=colors))
     elif len(field.centers):
         log_translucent(file, "world/colloids", field)
     if field.periodic:
@@ -33,9 +28,7 @@ def log_world(file: RecordingFile, field: ObstacleField) -> None:
         file.log("world/domain", box)
 
 
-def log_translucent(
-    file: RecordingFile, entity: str, field: ObstacleField, *, which: np.ndarray | None = None
-) -> None:
+def log_translucent(file: RecordingFile, entity: str, field: ObstacleField, *, which: np.ndarray | None = None) -> None:
     """Log the colloids `which` (indices, all by default) as see-through spheres."""
     chosen = slice(None) if which is None else which
     half_sizes = np.repeat(field.radii[chosen, None], 3, axis=1)

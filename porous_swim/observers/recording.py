@@ -150,9 +150,7 @@ class Recording:
         self._series = SeriesTrack(file)
         n_frames = self._n_steps // self.schedule.period + 1
         self._histograms = HistogramTrack(file, time_step=self._time_step, n_frames=n_frames)
-        self._write_page(
-            self._page.text(frame, status="*Cut short: the run was under way when this was written.*")
-        )
+        self._write_page(self._page.text(frame, status="*Cut short: the run was under way when this was written.*"))
         self._say(f"started: {len(frame.state)} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
         file.flush()
 
@@ -160,9 +158,7 @@ class Recording:
         # around colloids, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
         return Layout(
-            scenery=Scenery.of(
-                self._field, start if len(self._field.centers) else frame.position[self._swimmers]
-            ),
+            scenery=Scenery.of(self._field, start if len(self._field.centers) else frame.position[self._swimmers]),
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
             has_colloids=len(self._field.centers) > 0,

@@ -59,9 +59,7 @@ class SeriesTrack:
             return
         steps, times, values = (list(column) for column in zip(*self._rows, strict=True))
         for entity, line in zip(_LINES, np.array(values).T, strict=True):
-            self._file.send(
-                f"series/{entity}", rr.Scalars.columns(scalars=line.copy()), steps=steps, times=times
-            )
+            self._file.send(f"series/{entity}", rr.Scalars.columns(scalars=line.copy()), steps=steps, times=times)
         self._rows = []
         self._file.flush()
 

@@ -57,9 +57,7 @@ class RecordingFile:
         self.stream.log(entity, archetype)
         self.stream.reset_time()
 
-    def send(
-        self, entity: str, columns: rr.ComponentColumnList, *, steps: list[int], times: list[float]
-    ) -> None:
+    def send(self, entity: str, columns: rr.ComponentColumnList, *, steps: list[int], times: list[float]) -> None:
         """Send one row per time. The SDK keeps references: hand over arrays that nothing will change."""
         index = [rr.TimeColumn(STEP, sequence=steps), rr.TimeColumn(TIME, duration=times)]
         self.stream.send_columns(entity, index, columns)
@@ -70,9 +68,7 @@ class RecordingFile:
             self.stream.flush(timeout_sec=_FLUSH_SECONDS)
         except (RuntimeError, TimeoutError) as error:
             self._abandon()
-            raise RunError(
-                f"{self._part}: the recording stopped, is the disk full? ({_reason(error)})"
-            ) from None
+            raise RunError(f"{self._part}: the recording stopped, is the disk full? ({_reason(error)})") from None
 
     def _abandon(self) -> None:
         # At exit, and when the stream is freed, the SDK flushes once more without a limit and may never
@@ -87,9 +83,7 @@ class RecordingFile:
         try:
             RrdReader(self._part).store()
         except (RuntimeError, ValueError, OSError) as error:
-            raise RunError(
-                f"{self._part}: the recording is cut short, is the disk full? ({_reason(error)})"
-            ) from None
+            raise RunError(f"{self._part}: the recording is cut short, is the disk full? ({_reason(error)})") from None
         os.replace(self._part, self.path)
 
 

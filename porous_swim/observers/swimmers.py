@@ -95,9 +95,7 @@ class SwimmerTrack:
 
     def _wrap(self, position: np.ndarray) -> np.ndarray:
         edge = np.where(self._box > 0.0, self._box, np.inf)
-        return np.asarray(
-            position - np.floor(position / edge) * np.where(self._box > 0.0, edge, 0.0), np.float32
-        )
+        return np.asarray(position - np.floor(position / edge) * np.where(self._box > 0.0, edge, 0.0), np.float32)
 
     def _log_styles(self) -> None:
         radius = [self._radius]

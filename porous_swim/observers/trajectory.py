@@ -66,7 +66,7 @@ class Trajectory:
             os.replace(part, self._path)
             self._rows_path.unlink()
             return info.attach(pq.read_table(self._path, memory_map=True))
-        except OSError as error:
+        except (OSError, pa.ArrowException) as error:
             raise self._failure(error) from None
 
     def _write(self) -> None:
@@ -79,9 +79,10 @@ class Trajectory:
             raise self._failure(error) from None
         self._batches, self._n_waiting = [], 0
 
-    def _failure(self, error: OSError) -> RunError:
+    def _failure(self, error: Exception) -> RunError:
         self._failed = True
-        return RunError(f"{self._path}: the trajectory cannot be written: {error.strerror or error}")
+        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        return RunError(f"{self._path}: the trajectory cannot be written: {reason}")
 
 
 def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
