@@ -25,7 +25,7 @@ def hexagonal(*, radius=3.5, spacing=10.0, cells=(4, 3)) -> ObstacleField:
     nx, ny = cells
     height = spacing * np.sqrt(3.0)
     corner = np.array([(i * spacing, j * height, 0.0) for i in range(nx) for j in range(ny)])
-    centers = np.concatenate([corner, corner + [0.5 * spacing, 0.5 * height, 0.0]])
+    centers = np.concatenate([corner, corner + np.array([0.5 * spacing, 0.5 * height, 0.0])])
     return field_of(centers, radius, (nx * spacing, ny * height, 0.0), 2)
 
 
