@@ -80,7 +80,7 @@ class Simulation:
         """All swimmers as they are now, and what ended since the last frame."""
         now, ended = self.engine.snapshot(), self.engine.ended()
         least = height_at_sine(now.pitch_sine, 1.0, aspect_ratio=self.scene.swimmers.aspect_ratio)
-        low = now.height <= least + self.scene.encounter.contact_band
+        low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,

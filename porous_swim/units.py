@@ -99,7 +99,7 @@ def _text(dimension: str) -> BeforeValidator:
 
 
 class Units(Part):
-    """What a, U and the fluid are in the laboratory; results are then also in um and s."""
+    """What a, U and the fluid are in the laboratory; results then say what a and a/U are in um and s."""
 
     length: Annotated[str, _text("length")]
     """Half-length a of the swimmer, a string such as `1.0 um`."""

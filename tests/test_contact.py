@@ -152,3 +152,36 @@ def test_one_colloid_in_a_box_hops_to_its_own_images():
     center = np.stack([rows["image_x"] * 10.0, rows["image_y"] * 10.0 * np.sqrt(3.0)], axis=1)
     entry = np.stack([rows["entry_x"], rows["entry_y"]], axis=1)
     assert np.linalg.norm(entry - center, axis=1) == pytest.approx(np.full(len(center), 4.5), abs=1e-4)
+
+
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+def test_a_nose_on_puller_winds_no_more_than_it_moves(precision):
+    # at rest its director points at the centre: the tangential direction is then a ratio of rounding errors
+    field = field_of([0, 0, 0], 20.0)
+    engine = make_engine(field, [[21.5, 0.5, 0]] * 20, [[-1.0, 0, 0]] * 20, alpha=-0.8, D=0.002, precision=precision)
+    engine.advance(4000)
+    rows = engine.encounters()
+    lasted = rows["end_time"] - rows["start_time"]
+    assert lasted.max() > 10.0
+    # each step's winding is at most |dx|/(2 pi R): drift below 2 and a kick of 6 standard deviations, 0.005 long
+    step = 2.0 * 0.005 + 6.0 * np.sqrt(2 * 0.002 * 0.005)
+    assert np.all(np.abs(rows["winding"]) <= lasted / 0.005 * step / (2 * np.pi * 21.0))
+    assert np.abs(rows["winding"]).max() < 1.0
+
+
+def test_a_slow_slide_on_a_large_colloid_is_not_lost_in_single_precision():
+    # steps of 5e-4 on a radius of 2e4, where numbers in single precision are 2e-3 apart: alpha = 0, pitch 0, and the
+    # swimmer slides at speed 1 along the wall: 5 a in t = 5, less the 6e-4 that its lift off the curved wall costs
+    field = field_of([0, 0, 0], 2e4)
+    engine = make_engine(field, [[0, 2e4 + 1.0, 0]], [[1.0, 0, 0]], alpha=0.0, D=0.0, precision="f32", time_step=5e-4)
+    engine.advance(10_000)
+    assert engine.snapshot().position[0, 0] == pytest.approx(5.0, abs=2e-3)
+
+
+def test_a_single_colloid_in_a_long_channel_is_indexed():
+    field = field_of([0, 0, 0], 1.0, (400.0, 8.0, 0.0), 2)
+    engine = make_engine(field, *released(field, 40), alpha=0.8, D=0.01)
+    engine.advance(2000)
+    now = engine.snapshot()
+    held = np.linalg.norm(now.position - now.image * field.box, axis=1) - 1.0
+    assert held == pytest.approx(field.nearest(now.position)[2], abs=TIE)

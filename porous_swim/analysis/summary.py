@@ -130,7 +130,9 @@ def _passage_warnings(encounters: pa.Table) -> Iterable[str]:
 
 
 def _diffusivity_warnings(late: Diffusivity, persistence_time: float) -> Iterable[str]:
-    if late.n and not late.reliable:
+    if late.n and math.isinf(persistence_time):
+        yield "Without rotational noise nothing makes the motion diffusive: the effective diffusivity means little."
+    elif late.n and not late.reliable:
         yield (
             f"The effective diffusivity comes from a run of {late.window[1]:g} a/U, shorter than "
             f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "

@@ -47,8 +47,8 @@ def make_turns(real, dimensions: int):
     def turns(r0, r1, e):
         # (t.dx)/R with t the unit tangential part of the director, R the distance, both at the start of the step
         rho, s, dx = r0.dot(r0), r0.dot(e), r1 - r0
-        tangential = ti.max(rho - s * s, real(1e-30))
-        along = (rho * e.dot(dx) - s * r0.dot(dx)) / (rho * ti.sqrt(tangential))
+        t = e - s / rho * r0  # from its own components: 1 - s^2/rho would cancel where e points at the centre
+        along = t.dot(dx) / ti.sqrt(ti.max(rho * t.dot(t), real(1e-30)))
         angle = real(0.0)
         if ti.static(dimensions == 2):  # arcsin as a series: below 1e-9 at 0.1 rad
             c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
@@ -78,9 +78,10 @@ def make_book(real, dimensions: int, contact_height):
         add(f, rows.height, j, on, h)
         f[rows.min_height, j] = ti.select(on, ti.min(h, f[rows.min_height, j]), f[rows.min_height, j])
         f[rows.max_height, j] = ti.select(on, ti.max(h, f[rows.max_height, j]), f[rows.max_height, j])
-        low = h <= contact_height(s, f[rows.gamma, j]) + rules.contact_band
+        above = h - contact_height(s, f[rows.gamma, j])
+        low = above <= ti.max(rules.contact_band, rules.tolerance)
         n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
-        at_wall = on & (n[LaneInt.OWN, j] != 0) & (n[LaneInt.TOUCH, j] != 0)
+        at_wall = on & (above <= rules.tolerance)
         n[LaneInt.RELEASE, j] = ti.select(at_wall, n[Int.STEP, j] + 1, n[LaneInt.RELEASE, j])
         f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
         f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])

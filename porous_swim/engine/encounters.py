@@ -29,9 +29,11 @@ def make_orient(real, dimensions: int):
         t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
         none = b < 0
         b, image_b = ti.select(none, k, b), ti.select(none, image, image_b)
+        struck, image_s = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
         bound = n[Int.PHASE, j] == int(Phase.BOUND)
         own = bound & same(k, image, b, image_b)
-        news = (not bound) | (not (own | same(k, image, t, image_t)))
+        known = same(struck, image_s, b, image_b) | same(struck, image_s, t, image_t)
+        news = (not bound) | (not known)
         awaited = (n[Int.PHASE, j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A, j], f[rows.bound_A, j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
@@ -153,7 +155,7 @@ def make_encounters(real, dimensions: int, contact_height):
                 swimmers.int[int(Int.TOUCHED), i] = -1
             n[Int.PHASE, j] = phase
             if ((event & int(Event.CONTACT)) != 0) & (target < 0):
-                k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+                k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
                 if phase == int(Phase.BOUND):
                     swimmers.int[int(Int.TOUCHED), i] = k
                     put_image(swimmers, int(Int.TOUCHED_IMAGE), i, image)

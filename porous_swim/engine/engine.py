@@ -15,7 +15,7 @@ from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.records import Ended, Records
 from porous_swim.engine.state import Event, Int, Status, Total
 from porous_swim.engine.swimmers import Rules, Swimmers
-from porous_swim.errors import RunError
+from porous_swim.errors import DeviceError, RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
@@ -24,8 +24,12 @@ LANES = {"f32": 16, "f64": 8}  # on a CPU; a thread of a GPU is one lane
 CHUNK = 4  # steps between looks at events
 LOG_ROWS = 8192
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
+# Threads of a group on a GPU; the last group is filled with lanes that idle. In a group filled in part llvmpipe
+# (Mesa 22.3) stops every thread behind its first loop that holds an atomic operation.
+GROUP = 128
 # software Vulkan drivers skip iterations of long loops; other devices take any length
 LONGEST_LAUNCH = {"cpu": 1 << 20, "cuda": 1 << 20, "metal": 1 << 20, "vulkan": 4}
+PATIENCE = 8  # launches without any progress, which a device that keeps its word never needs
 WORD = 0xFFFFFFFF
 COMPLAINTS = {
     Status.NOT_FINITE: "its position or director is not a finite number: the time step is too long for the flow there",
@@ -75,15 +79,16 @@ class Engine:
         self._field, self._numbers, self._chunk = field, numbers, chunk
         self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
         self._news: list[Ended] = []
-        self._longest_launch = LONGEST_LAUNCH[backend.device]
+        self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
-        self._n_blocks = -(-self.n_swimmers // self.lanes)
+        group = 1 if backend.is_cpu else GROUP
+        self._n_blocks = -(-self.n_swimmers // (self.lanes * group)) * group
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
         self._compile(flow, variates, precision, sphere=bool(np.all(laws.aspect_ratio == 1.0)))
         cells = build_cells(field, reach=numbers.escape_height)
         rounding = float(np.finfo(self._real).eps)
-        self._tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
+        self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
         self._margin = 4.0 * rounding * cells.longest
         self._medium = load_medium(cells, self._real)
         self._load(position, director, laws, np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of)
@@ -145,11 +150,12 @@ class Engine:
         """Run the kernel until every lane has made its steps, draining the log whenever it is full."""
         seed, first, numbers = self._numbers.seed, self.step, self._numbers
         rules = Rules(
-            numbers.time_step, numbers.escape_height, numbers.contact_band, self._tolerance, self._margin,
+            numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,
             first, first & WORD, first >> 32, seed & WORD, seed >> 32,
         )  # fmt: skip
-        fresh, finished = 1, 0
+        fresh, finished, idle = 1, 0, 0
         while finished < self.n_swimmers:
+            before = finished
             self._advance(
                 *self._swimmers,
                 *self._medium,
@@ -166,6 +172,11 @@ class Engine:
             if total[Total.HALTED] > 0:
                 raise self._complaint()
             full = self._logged >= self._log_rows // 2
+            idle = 0 if full or finished > before else idle + 1
+            if idle >= PATIENCE:
+                raise DeviceError(
+                    f"device: {self._device} makes no progress; its driver may be a software driver: use cpu"
+                )
             total[Total.FINISHED] = 0
             self._swimmers.total.from_numpy(total)
             if full:

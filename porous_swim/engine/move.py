@@ -25,9 +25,10 @@ def make_step(real, dimensions: int, integrate, contact_height):
         R = ti.sqrt(x.dot(x))
         least = A + contact_height(x.dot(e) / R, gamma)
         touch = least >= R
-        x = ti.select(touch, x * (least / R), x)
-        rest = ti.select(touch, real(0.0) * rest, rest)
-        return x, rest, touch, ti.max(least - R, real(0.0))
+        push = ti.max(least - R, real(0.0))
+        y = x * (push / R) + rest  # compensated like the step: slow sliding along a large colloid is not lost
+        z = x + y
+        return z, y - (z - x), touch, push
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), j, swimmer, rules: ti.template(), n_steps):

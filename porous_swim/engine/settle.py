@@ -6,7 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.book import make_vectors
-from porous_swim.engine.state import Event, Int, LaneInt, Status, real_rows
+from porous_swim.engine.state import Event, Int, LaneInt, Phase, Status, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import ivec3, make_between, make_search
 
@@ -41,12 +41,13 @@ def make_project(real):
 
 @cache
 def make_resolve(real, dimensions: int, contact_height, sphere: bool):
-    """Return `resolve(medium, k, image, y, y_old, e, e_old, gamma, tolerance) -> y, e, found`.
+    """Return `resolve(medium, k, image, y, y_old, e, e_old, gamma, tolerance)`.
 
     `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
     tolerance it is put on that colloid's contact sphere, or, when it goes back and forth between two, on the circle
     where both contact spheres meet (in the plane, the point). After 8 tries it stays where and as it was.
-    `found` is the result of the search at the place where it ends.
+
+    It returns y, e, the result of the search there, and the last two colloids that it was put on (-1: none).
     """
     between = make_between(real, dimensions)
     search = make_search(real, dimensions, contact_height, sphere)
@@ -72,7 +73,7 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
                 before, before_image = last, last_image
                 last, last_image, c_last, radius_last = j, image_j, c, radius
             tries += 1
-        return y, e, found
+        return y, e, found, last, last_image, before, before_image
 
     return resolve
 
@@ -107,6 +108,21 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
         put(f, rows.reference, j, y)
 
     @ti.func
+    def strike(
+        n: ti.template(), j, i, swimmers: ti.template(), found, tolerance, last, last_image, before, before_image
+    ):
+        """Name the colloid that a contact is with; in a wedge the one that is not that of the encounter."""
+        deep = found.depth >= -tolerance
+        k, image = ti.select(deep, found.deep, found.near), ti.select(deep, found.deep_image, found.image)
+        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+        bound = n[Int.PHASE, j] == int(Phase.BOUND)
+        other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
+        k, image = ti.select(other, before, k), ti.select(other, before_image, image)
+        other = bound & (last >= 0) & (not same(last, last_image, b, image_b))
+        swimmers.int[int(Int.STRUCK), i] = ti.select(other, last, k)
+        put_image(swimmers, int(Int.STRUCK_IMAGE), i, ti.select(other, last_image, image))
+
+    @ti.func
     def stop(n: ti.template(), j, i, swimmers: ti.template(), status: ti.template()):
         swimmers.int[int(Int.STATUS), i] = int(status)
         n[Int.EVENT, j] = int(Event.HALT)
@@ -121,7 +137,9 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
             stop(n, j, i, swimmers, Status.NOT_FINITE)
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-            z, d, found = resolve(medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance)
+            z, d, found, last, last_image, before, before_image = resolve(
+                medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance
+            )
             push_off(f, j, y, z)
             if not same(k, image, found.near, found.image):
                 shift = between(medium, found.near, found.image, k, image)
@@ -129,6 +147,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
                 put(f, rows.x, j, x + shift)
                 swimmers.int[int(Int.COLLOID), i] = found.near
                 put_image(swimmers, int(Int.IMAGE), i, found.image)
+            strike(n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image)
             set_budget(f, j, z, found, rules.margin)
             put(f, rows.trial_x, j, z)
             put(f, rows.trial_e, j, d)

@@ -50,6 +50,8 @@ class Int(IntEnum):
     TOUCHED_IMAGE = 12
     STATUS = 15
     SET = 16  # row of the table of parameter sets
+    STRUCK = 17  # the colloid that a contact is with: the nearest, but where several are touched
+    STRUCK_IMAGE = 18
 
 
 class LaneInt(IntEnum):
@@ -85,7 +87,7 @@ class Total(IntEnum):
 
 
 N_SHARED_INTS = 3
-N_INTS = 17  # rows of `Int`, images taking three
+N_INTS = 21  # rows of `Int`, images taking three
 
 
 class Law(IntEnum):

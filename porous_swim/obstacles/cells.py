@@ -16,11 +16,13 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
+from porous_swim.errors import SceneError
 from porous_swim.obstacles.field import ObstacleField
 
 FIXED_BITS = 52
 CELLS_PER_COLLOID = {2: 8, 3: 4}
 MAX_CELLS_PER_AXIS = 1024  # cell numbers are made from 52-bit positions in 64-bit integers
+MOST_IMAGES = 100  # in either direction: an image number has 8 bits
 ANCHOR_RADIUS = -1e6  # an empty field has one sphere at the origin that nobody can reach
 
 
@@ -52,7 +54,7 @@ def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
     axes = np.arange(3) < field.dimensions
     periodic = field.box > 0.0
     origin, edge = _region(centers, radii, field.box, axes, periodic)
-    n_cells = _cell_counts(edge, axes, len(radii), field.dimensions)
+    n_cells = _cell_counts(edge, axes, len(radii), field)
     middle = _cell_middles(origin, edge, n_cells, axes)
     half_diagonal = 0.5 * float(np.linalg.norm((edge / n_cells)[axes])) * (1.0 + 1e-6)
     repeat = np.where(periodic, edge, 0.0)
@@ -76,11 +78,12 @@ def _region(centers, radii, box, axes, periodic):
     return origin, edge
 
 
-def _cell_counts(edge, axes, n_colloids, dimensions):
-    """Nearly cubic cells, a few for each colloid; one where there is a single colloid."""
-    if n_colloids == 1:
+def _cell_counts(edge, axes, n_colloids, field):
+    """Nearly cubic cells, a few for each colloid; one where there is a single colloid without images."""
+    if n_colloids == 1 and not field.periodic:
         return np.ones(3, dtype=np.int64)
-    size = (np.prod(edge[axes]) / (CELLS_PER_COLLOID[dimensions] * n_colloids)) ** (1.0 / dimensions)
+    d = field.dimensions
+    size = (np.prod(edge[axes]) / (CELLS_PER_COLLOID[d] * n_colloids)) ** (1.0 / d)
     counts = np.clip(np.ceil(edge / size), 1, MAX_CELLS_PER_AXIS).astype(np.int64)
     return np.where(axes, counts, 1)
 
@@ -106,7 +109,12 @@ def _candidates(middle, half_diagonal, reach, centers, radii, edge):
         )
         if np.all(needed <= n_images):
             break
-        n_images = np.minimum(needed, 100).astype(int)
+        if np.any(needed > MOST_IMAGES):
+            raise SceneError(
+                f"domain.size: the box is too long for its width: a swimmer may be {far:.3g} from the second nearest "
+                f"colloid, across more than {MOST_IMAGES} periodic images"
+            )
+        n_images = needed.astype(int)
     return _lists(middle, bound, ghost, owner, image, radii)
 
 

@@ -26,14 +26,17 @@ class Encounter(Part):
         Leading order: theta_e = 3 alpha/(8 hbar^2) with hbar = gamma (Soft Matter 11, 3396, section 4).
         """
         if self.escape_pitch == "exact":
-            return -2.0 if dipole_strength > 0.0 else 2.0
+            return -2.0 if dipole_strength >= 0.0 else 2.0
         pitch = self.escape_pitch
         if pitch == "leading":
             pitch = 3.0 * dipole_strength / (8.0 * aspect_ratio**2)
-        return sin(pitch) if 0.0 < pitch < 0.5 * pi else 2.0
+        return sin(pitch) if 0.0 <= pitch < 0.5 * pi else 2.0
 
     def check(self, aspect_ratio: float) -> None:
-        """Raise a `KeyedError` where the lift-off pitch is asked of a rod, whose contact height varies with it."""
+        """Raise a `KeyedError` where a swimmer in contact has escaped, or a rod is asked for a lift-off pitch."""
+        if self.escape_height <= 1.0 + self.contact_band:  # 1: the contact height of every shape on its tip
+            message = f"expected more than 1 + contact_band = {1.0 + self.contact_band:g}, found {self.escape_height:g}"
+            raise KeyedError("encounter.escape_height", f"{message}: a swimmer in contact must not have escaped")
         if self.escape_pitch == "exact" and aspect_ratio < 1.0:
             raise KeyedError(
                 "encounter.escape_pitch", "exact is for spheres (aspect_ratio 1): expected leading or a number"
