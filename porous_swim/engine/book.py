@@ -81,7 +81,7 @@ def make_book(real, dimensions: int, contact_height):
         above = h - contact_height(s, f[rows.gamma, j])
         low = above <= ti.max(rules.contact_band, rules.tolerance)
         n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
-        at_wall = on & (above <= rules.tolerance)
+        at_wall = on & (above <= ti.min(rules.tolerance, rules.margin))  # at the wall but for rounding
         n[LaneInt.RELEASE, j] = ti.select(at_wall, n[Int.STEP, j] + 1, n[LaneInt.RELEASE, j])
         f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
         f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
