@@ -15,6 +15,9 @@ from porous_swim.errors import DeviceError
 ti.set_logging_level(ti.ERROR)  # looking for a device that is not there is no reason to warn
 
 DEVICES = ("cpu", "cuda", "vulkan", "metal")
+# Threads of a group: at most one vector of the CPU. Taichi puts a memory barrier before each atomic operation, which
+# llvmpipe (Mesa 22.3) takes for a barrier of the whole group: a vector that never gets there ends all the others.
+VULKAN_GROUP = 8
 AUTO_ORDER = ("cuda", "metal", "cpu")  # Vulkan may be a software driver, so it is used on demand only
 
 
@@ -65,6 +68,8 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     if _current == wanted:
         return wanted
     options = {"cpu_max_num_threads": threads} if wanted.threads else {}
+    if wanted.device == "vulkan":
+        options["default_gpu_block_dim"] = VULKAN_GROUP
     with redirect_stdout(StringIO()):  # Taichi greets on stdout, which is for results
         ti.init(
             arch=getattr(ti, wanted.device), default_fp=ti.f32, default_ip=ti.i32, fast_math=False,

@@ -9,6 +9,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
+from porous_swim.physics.rounding import rounded
 
 TWO_PI = 6.283185307179586
 
@@ -34,7 +35,7 @@ def add(f: ti.template(), row: ti.template(), j, on, value):
     """Add `value` to a sum where `on`; the next row keeps what the rounding left (Kahan)."""
     total, rest = f[row, j], f[row + 1, j]
     y = value + rest
-    t = total + y
+    t = rounded(total + y)
     f[row, j] = ti.select(on, t, total)
     f[row + 1, j] = ti.select(on, y - (t - total), rest)
 
@@ -53,7 +54,7 @@ def make_turns(real, dimensions: int):
         if ti.static(dimensions == 2):  # arcsin as a series: below 1e-9 at 0.1 rad
             c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
             q = c * c
-            angle = c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336))))
+            angle = rounded(c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336)))))
         return along * real(1 / TWO_PI), angle * real(1 / TWO_PI)
 
     return turns

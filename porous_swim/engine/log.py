@@ -67,7 +67,7 @@ def make_log(real, dimensions: int):
     @ti.func
     def write(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), slot, step):
         release = ti.cast(n[LaneInt.RELEASE, j], ti.i64)
-        if release >= 0:
+        if n[LaneInt.RELEASE, j] >= 0:
             release += step - n[Int.STEP, j]
         else:  # the wall was last touched in an earlier launch, or never
             release = swimmers.long[int(Long.RELEASE), i]

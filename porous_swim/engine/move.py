@@ -7,6 +7,7 @@ import taichi as ti
 
 from porous_swim.engine.book import make_book, make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, real_rows
+from porous_swim.physics.rounding import rounded
 
 
 @cache
@@ -27,7 +28,7 @@ def make_step(real, dimensions: int, integrate, contact_height):
         touch = least >= R
         push = ti.max(least - R, real(0.0))
         y = x * (push / R) + rest  # compensated like the step: slow sliding along a large colloid is not lost
-        z = x + y
+        z = rounded(x + y)
         return z, y - (z - x), touch, push
 
     @ti.func
@@ -42,7 +43,7 @@ def make_step(real, dimensions: int, integrate, contact_height):
             x, get(f, rows.e, j), A, law, rules.dt, ti.cast(swimmer, ti.u32), low, high, rules.key0, rules.key1
         )
         y = dx + rest  # compensated: a swimmer far from its colloid loses no digit of its steps
-        x1 = x + y
+        x1 = rounded(x + y)
         x1, rest, touch, push = keep_out(x1, y - (x1 - x), e, A, f[rows.gamma, j])
         put(f, rows.trial_x, j, x1)
         put(f, rows.trial_rest, j, rest)

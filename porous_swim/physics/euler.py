@@ -6,6 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.physics.noise import make_kick, make_turn
+from porous_swim.physics.rounding import rounded
 
 
 @cache
@@ -26,7 +27,7 @@ def make_euler(drift, real, dimensions: int, variates: str | None):
         n = n / ti.sqrt(n.dot(n))
         if ti.static(noisy):
             g = kick(swimmer, step_low, step_high, k0, k1)
-            dx += law[2] * ti.Vector([g[d] for d in ti.static(range(dimensions))])
+            dx += rounded(law[2] * ti.Vector([g[d] for d in ti.static(range(dimensions))]))
             n = turn(n, law[3] * ti.Vector([g[3 + d] for d in ti.static(range(2 * dimensions - 3))]))
         return dx, n
 
