@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -39,12 +40,16 @@ def recording(path: Path, field: ObstacleField, **changes: object) -> Recording:
     return Recording(path, Every(PERIOD), field, **{**options, **changes})
 
 
-def write(path: Path, field: ObstacleField, *, interrupted: bool = False, seed: int = 1) -> list[Frame]:
-    """Record a walk; return its frames."""
+def write(
+    path: Path, field: ObstacleField, *, interrupted: bool = False, seed: int = 1, pauses: int = 0
+) -> list[Frame]:
+    """Record a walk, with some pauses longer than the SDK's own tick of 0.2 s; return its frames."""
     frames = list(walk(field, n_swimmers=30, n_frames=N_FRAMES, period=PERIOD, time_step=TIME_STEP, seed=seed))
     observer = recording(path, field)
-    for frame in frames:
+    for number, frame in enumerate(frames):
         observer.observe(frame)
+        if number < pauses:
+            time.sleep(0.3)
     observer.finish(interrupted=interrupted)
     return frames
 
@@ -215,7 +220,7 @@ def compare(path: Path, other: Path) -> int:
 
 def test_equal_runs_give_equal_recordings_and_another_seed_gives_another(crystal, tmp_path: Path):
     path, field, _ = crystal
-    write(tmp_path / "same.rrd", field)
+    write(tmp_path / "same.rrd", field, pauses=5)
     write(tmp_path / "other.rrd", field, seed=2)
     assert compare(path, tmp_path / "same.rrd") == 0
     assert compare(path, tmp_path / "other.rrd") != 0

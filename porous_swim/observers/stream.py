@@ -32,7 +32,13 @@ class RecordingFile:
         self._part = self.path.with_name(self.path.name + ".part")
         rr.set_strict_mode(True)
         # without properties and log time there is no wall clock in the file: equal runs give equal contents
-        self.stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False)
+        # and without flushes by the clock, equal chunks
+        self.stream = rr.RecordingStream(
+            APPLICATION,
+            recording_id=recording_id,
+            send_properties=False,
+            batcher_config=rr.ChunkBatcherConfig.NEVER(),
+        )
         try:
             self.stream.save(self._part, default_blueprint=blueprint)
         except RuntimeError as error:
