@@ -153,6 +153,13 @@ class Scene(Part):
         return self.run.precision
 
     @property
+    def integrator(self) -> str:
+        """`euler` or `located`."""
+        if self.run.integrator == "auto":
+            return "euler" if isinstance(self.noise, Brownian) or self.run.precision == "f32" else "located"
+        return self.run.integrator
+
+    @property
     def translational_diffusion(self) -> float:
         """D in a U; 0 without noise."""
         return self.noise.translational_diffusion if isinstance(self.noise, Brownian) else 0.0
@@ -203,6 +210,8 @@ class Scene(Part):
         self.obstacles.check(self.domain)
         self.swimmers.release.check(self.domain)
         self.encounter.check(self.swimmers.aspect_ratio)
+        if self.run.integrator == "located" and (isinstance(self.noise, Brownian) or self.run.precision == "f32"):
+            raise KeyedError("run.integrator", "located is for runs without noise in f64: expected euler or auto")
         return self
 
     def _placed(self, error: KeyedError) -> Exception:

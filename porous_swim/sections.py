@@ -21,7 +21,7 @@ class Population(Part):
     """alpha; above 0 a pusher, below 0 a puller. With units `dipole` may be given instead."""
     dipole: str | None = None
     """Force dipole p in place of `dipole_strength`, such as `0.45 pN um`: alpha = p/(8 pi mu U a^2)."""
-    aspect_ratio: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    aspect_ratio: Annotated[float, Field(ge=0.01, le=1.0)] = 1.0
     """gamma, minor over major axis; 1 is a sphere."""
     release: Release = Uniform()
     """Where the swimmers start."""
@@ -57,8 +57,10 @@ class Run(Part):
     """Every random number follows from it."""
     precision: Literal["auto", "f32", "f64"] = "auto"
     """`auto`: f64 without noise, where small errors grow; f32 with noise."""
-    integrator: Literal["euler"] = "euler"
-    """`euler`: one forward step, then the swimmer is put back on the surface if it went below contact."""
+    integrator: Literal["auto", "euler", "located"] = "auto"
+    """`auto`: located without noise, euler with. `euler`: one forward step, then the swimmer is put back on the surface
+    if it went below contact. `located` (without noise, f64): eighth order, step ends and every event located to
+    rounding, so that `time_step` only sets the times at which the run can be looked at."""
     device: Literal["auto", "cpu", "cuda", "vulkan", "metal"] = "auto"
     """Where to compute; `auto` takes a GPU if there is one."""
     threads: Annotated[Whole, Field(ge=1)] | None = None

@@ -58,7 +58,7 @@ class Simulation:
             numbers=Numbers(
                 scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed
             ),
-            hydrodynamics=type(scene.hydrodynamics), precision=scene.precision,
+            hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
             variates=noise.variates if isinstance(noise, Brownian) else None,
         )  # fmt: skip
 
@@ -79,7 +79,7 @@ class Simulation:
     def frame(self) -> Frame:
         """All swimmers as they are now, and what ended since the last frame."""
         now, ended = self.engine.snapshot(), self.engine.ended()
-        least = height_at_sine(now.pitch_sine, 1.0, aspect_ratio=self.scene.swimmers.aspect_ratio)
+        least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import porous_swim as ps
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
 from tests.engines import field_of, make_engine, released
@@ -115,7 +116,7 @@ def test_a_swimmer_released_in_contact_starts_its_encounter_at_once():
 
 
 @pytest.mark.parametrize("gamma", [0.15, 0.5])
-def test_rods_keep_their_support_height_above_every_colloid(gamma):
+def test_rods_keep_their_contact_height_above_every_colloid(gamma):
     field = packed(60, smallest=2.0, largest=4.0, fraction=0.3)
     position, director = released(field, 200)
     engine = make_engine(field, position, director, alpha=0.8, gamma=gamma, D=0.01, time_step=0.005)
@@ -125,7 +126,7 @@ def test_rods_keep_their_support_height_above_every_colloid(gamma):
         point, colloid, offset = field.near(now.position, 1.0)
         distance = np.linalg.norm(offset, axis=1)
         s = np.einsum("ij,ij->i", now.director[point], offset) / distance
-        least = np.sqrt(s**2 + gamma**2 * (1 - s**2))
+        least = ps.contact_height(np.arcsin(s), radius=field.radii[colloid], aspect_ratio=gamma)
         assert np.min(distance - field.radii[colloid] - least, initial=0.0) >= -F32_ROUNDING
 
 

@@ -251,8 +251,11 @@ def test_warnings_name_what_is_doubtful(tmp_path: Path) -> None:
     assert "1.3 % long" in clamp
     assert "0.13 U" in jump
     assert scene.replace({"noise": {"kind": "none"}, "hydrodynamics": {"kind": "none"}}).warnings() == []
-    rods = scene.replace({"swimmers.aspect_ratio": 0.5}).warnings()
-    assert any("plane wall" in sentence for sentence in rods)
+    large = {"obstacles": {"layout": "single", "radius": 5000.0}, "domain": {"dimensions": 3, "boundary": "open"}}
+    point = {"swimmers.release": {"kind": "point", "position": [0, 6000, 0], "director": [1, 0, 0]}}
+    assert any("set run.precision: f64" in sentence for sentence in scene.replace(large | point).warnings())
+    exact = scene.replace(large | point | {"run.precision": "f64"})
+    assert not any("f32" in sentence for sentence in exact.warnings())
     coarse = scene.replace({"run": {"time_step": 1.0, "duration": 2.0}}).warnings()
     assert any("keep it below 0.05" in sentence for sentence in coarse)
     assert any("D = 0.006" in sentence for sentence in coarse)

@@ -82,7 +82,11 @@ def test_recorded_swimmers_keep_their_contact_height_above_every_colloid(run):
     R = np.linalg.norm(offset, axis=2)
     sine = np.einsum("ijk,ik->ij", offset, director) / R
     gamma = scene.swimmers.aspect_ratio
-    contact = np.sqrt(sine**2 + gamma**2 * (1.0 - sine**2))  # 1 for spheres; of a rod above a plane
+    near = R - radii < 2.0
+    contact = np.ones(R.shape)  # of spheres, and of rods on their tips
+    contact[near] = ps.contact_height(
+        np.arcsin(sine[near]), radius=np.broadcast_to(radii, R.shape)[near], aspect_ratio=gamma
+    )
     # in free space there is nothing to keep away from, and `all` of nothing holds
     assert np.all(R - radii - contact > -np.maximum(BELOW_CONTACT, ROUNDING * R))
     if results.info.dimensions == 2:

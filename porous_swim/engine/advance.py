@@ -3,19 +3,22 @@
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import taichi as ti
 
-from porous_swim.engine.book import make_book
+from porous_swim.engine.book import make_book, make_vectors
 from porous_swim.engine.encounters import make_encounters, make_orient
+from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
 from porous_swim.engine.move import make_step
 from porous_swim.engine.settle import make_settle
 from porous_swim.engine.state import N_SHARED_INTS, Event, Int, LaneInt, Law, Long, Total, real_rows
 from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.obstacles.search import Medium
-from porous_swim.physics.contact import HardContact
+from porous_swim.physics.contact import HardContact, Shape
 from porous_swim.physics.euler import make_euler
+from porous_swim.physics.located import make_motion
 
 
 @dataclass(frozen=True)
@@ -24,10 +27,30 @@ class Structure:
 
     hydrodynamics: type
     variates: str | None  # "gaussian", "uniform"; None without noise
-    sphere: bool  # all swimmers are spheres
+    shape: Shape  # of the swimmers, as their contact needs it
     dimensions: int
-    real: object  # ti.f32 or ti.f64
+    real: Any  # ti.f32 or ti.f64
     lanes: int
+    integrator: str = "euler"  # or "located"
+
+
+@cache
+def make_mover(structure: Structure):
+    """Return `step(f, n, j, i, swimmers, medium, rules, n_steps)` of the structure's integrator."""
+    real, dimensions = structure.real, structure.dimensions
+    drift = structure.hydrodynamics.make_drift(real)
+    contact_height = HardContact.make_height(real, structure.shape)
+    if structure.integrator == "located":
+        height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
+        rate = make_motion(drift, real, dimensions, height_and_slope)
+        return make_locate(real, dimensions, rate, height_and_slope, contact_height, structure.shape == "sphere")
+    return make_step(
+        real,
+        dimensions,
+        make_euler(drift, real, dimensions, structure.variates),
+        contact_height,
+        structure.shape == "sphere",
+    )
 
 
 @cache
@@ -77,13 +100,13 @@ def make_advance(structure: Structure):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
     real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
     rows = real_rows(dimensions)
-    contact_height = HardContact.make_height(real, structure.sphere)
-    drift = structure.hydrodynamics.make_drift(real)
-    integrate = make_euler(drift, real, dimensions, structure.variates)
-    step = make_step(real, dimensions, integrate, contact_height)
-    book = make_book(real, dimensions, contact_height)
-    settle = make_settle(real, dimensions, contact_height, structure.sphere)
-    orient = make_orient(real, dimensions)
+    contact_height = HardContact.make_height(real, structure.shape)
+    located = structure.integrator == "located"
+    step = make_mover(structure)
+    book = make_book(real, dimensions, located)
+    get, _ = make_vectors(dimensions)
+    settle = make_settle(real, dimensions, contact_height, structure.shape == "sphere", located)
+    orient = make_orient(real, dimensions, located)
     encounters = make_encounters(real, dimensions, contact_height)
     load, store = make_lanes(real, dimensions, lanes)
     Reals, Ints = (
@@ -103,11 +126,16 @@ def make_advance(structure: Structure):
             for row in ti.static(range(dimensions)):
                 f[rows.trial_x + row, j], f[rows.trial_e + row, j] = f[rows.x + row, j], f[rows.e + row, j]
         if event & int(Event.LOCATE | Event.FINISH):
-            settle(f, n, j, i, swimmers, medium, rules)
+            band = rules.tolerance
+            if ti.static(located):  # a swimmer released that near touches; later a touch is a touch
+                band = ti.select(event & int(Event.LOCATE), band, real(LOCATED_BAND))
+            settle(f, n, j, i, swimmers, medium, rules, band)
         orient(f, n, j, i, swimmers, medium)
         if n[Int.EVENT, j] & int(Event.HALT) == 0:
             if event & int(Event.FINISH):
-                book(f, n, j, True, rules)
+                r = get(f, rows.trial_x, j) + get(f, rows.bound_offset, j)
+                s = r.dot(get(f, rows.trial_e, j)) / ti.sqrt(r.dot(r))
+                book(f, n, j, True, rules, contact_height(s, f[rows.gamma, j], f[rows.bound_A, j]))
             if event & int(Event.LOCATE):
                 touch = (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
                 n[Int.EVENT, j] |= ti.select(touch, int(Event.CONTACT), 0)
@@ -121,13 +149,13 @@ def make_advance(structure: Structure):
         log_real: reals, log_int: ints, log_long: longs,
         dt: real, escape_height: real, contact_band: real, tolerance: real, margin: real,
         first: ti.i64, first_low: ti.u32, first_high: ti.u32, key0: ti.u32, key1: ti.u32,
-        n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, stride: ti.i32, chunk: ti.i32,
+        tableau: reals, n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, stride: ti.i32, chunk: ti.i32,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, state_long, law, total))
         medium = ti.static(Medium(center, radius, first_cell, candidate, grid, scale))
         log = ti.static(Log(log_real, log_int, log_long))
         rules = ti.static(
-            Rules(dt, escape_height, contact_band, tolerance, margin, first, first_low, first_high, key0, key1)
+            Rules(dt, escape_height, contact_band, tolerance, margin, first, first_low, first_high, key0, key1, tableau)
         )
         for t in range(
             n_blocks * stride
@@ -148,7 +176,7 @@ def make_advance(structure: Structure):
                     if go != 0:
                         for _ in range(chunk):
                             for j in range(lanes):  # the one loop that vectorises: values in, values out, selects
-                                step(f, n, j, block * lanes + j, rules, n_steps)
+                                step(f, n, j, block * lanes + j, swimmers, medium, rules, n_steps)
                 store(f, n, block, swimmers, first, n_steps)
 
     return advance

@@ -61,14 +61,67 @@ def make_turns(real, dimensions: int):
 
 
 @cache
-def make_book(real, dimensions: int, contact_height):
-    """Return `book(f, n, j, on, rules)`, which commits the trial move of lane j where `on`."""
-    rows = real_rows(dimensions)
-    get, put = make_vectors(dimensions)
+def make_swept(real, dimensions: int):
+    """Return `swept(r0, r1, e)`: like `turns`, for a smooth path: the winding is the angle swept, exactly."""
     turns = make_turns(real, dimensions)
 
     @ti.func
-    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), r0, r1, e0, R, s):
+    def swept(r0, r1, e):
+        along, angle = turns(r0, r1, e)
+        chord = r1 / ti.sqrt(r1.dot(r1)) - r0 / ti.sqrt(r0.dot(r0))
+        turn = real(2.0) * ti.asin(ti.min(real(0.5) * ti.sqrt(chord.dot(chord)), real(1.0)))
+        return ti.select(along < real(0.0), -turn, turn) * real(1 / TWO_PI), angle
+
+    return swept
+
+
+@cache
+def make_book(real, dimensions: int, located: bool = False):
+    """Return `book(f, n, j, on, rules, least)`, which commits the trial move of lane j where `on`.
+
+    A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
+    of the trial above the colloid of the encounter.
+    """
+    rows = real_rows(dimensions)
+    get, put = make_vectors(dimensions)
+    turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
+
+    @ti.func
+    def tick(f: ti.template(), n: ti.template(), j, on):
+        """Set the clock forward."""
+        if ti.static(located):
+            ends = f[rows.trial_clock, j] >= real(1.0)
+            clock = ti.select(ends, real(0.0), f[rows.trial_clock, j])
+            f[rows.clock, j] = ti.select(on, clock, f[rows.clock, j])
+            n[Int.STEP, j] += ti.select(on & ends, 1, 0)
+        else:
+            n[Int.STEP, j] += ti.select(on, 1, 0)
+
+    @ti.func
+    def weigh(f: ti.template(), n: ti.template(), j, on, h, low):
+        """Add the height and the time in contact, in steps."""
+        if ti.static(located):
+            part = f[rows.trial_clock, j] - f[rows.clock, j]
+            add(f, rows.height, j, on, f[rows.trial_height, j])
+            f[rows.contact_clock, j] += ti.select(on & (n[LaneInt.LOW, j] != 0), part, real(0.0))
+        else:
+            add(f, rows.height, j, on, h)
+            n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
+
+    @ti.func
+    def hold(f: ti.template(), n: ti.template(), j, at_wall, s):
+        """Note when and where the wall was last touched."""
+        after, clock = n[Int.STEP, j] + 1, real(0.0)
+        if ti.static(located):
+            ends = f[rows.trial_clock, j] >= real(1.0)
+            after, clock = ti.select(ends, after, after - 1), ti.select(ends, real(0.0), f[rows.trial_clock, j])
+            f[rows.release_clock, j] = ti.select(at_wall, clock, f[rows.release_clock, j])
+        n[LaneInt.RELEASE, j] = ti.select(at_wall, after, n[LaneInt.RELEASE, j])
+        f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
+        f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
+
+    @ti.func
+    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least, r0, r1, e0, R, s):
         """Add the step to the record of the encounter under way."""
         along, angle = turns(r0, r1, e0)
         h = R - f[rows.bound_A, j]
@@ -76,33 +129,29 @@ def make_book(real, dimensions: int, contact_height):
         if ti.static(dimensions == 2):
             add(f, rows.signed, j, on, angle)
         add(f, rows.push, j, on, f[rows.trial_push, j])
-        add(f, rows.height, j, on, h)
         f[rows.min_height, j] = ti.select(on, ti.min(h, f[rows.min_height, j]), f[rows.min_height, j])
         f[rows.max_height, j] = ti.select(on, ti.max(h, f[rows.max_height, j]), f[rows.max_height, j])
-        above = h - contact_height(s, f[rows.gamma, j])
+        above = h - least
         low = above <= ti.max(rules.contact_band, rules.tolerance)
-        n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
-        at_wall = on & (above <= ti.min(rules.tolerance, rules.margin))  # at the wall but for rounding
-        n[LaneInt.RELEASE, j] = ti.select(at_wall, n[Int.STEP, j] + 1, n[LaneInt.RELEASE, j])
-        f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
-        f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
+        weigh(f, n, j, on, h, low)
+        hold(f, n, j, on & (above <= ti.min(rules.tolerance, rules.margin)), s)  # at the wall but for rounding
         return h
 
     @ti.func
-    def book(f: ti.template(), n: ti.template(), j, on, rules: ti.template()):
+    def book(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least):
         x0, e0, offset = get(f, rows.x, j), get(f, rows.e, j), get(f, rows.bound_offset, j)
         x1, e1 = get(f, rows.trial_x, j), get(f, rows.trial_e, j)
         r0, r1 = x0 + offset, x1 + offset
         R = ti.sqrt(r1.dot(r1))
         s = r1.dot(e1) / R
         bound = on & (n[Int.PHASE, j] == int(Phase.BOUND))
-        h = record(f, n, j, bound, rules, r0, r1, e0, R, s)
+        h = record(f, n, j, bound, rules, least, r0, r1, e0, R, s)
         touch = on & (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
         passed = on & (n[LaneInt.WATCH_PITCH, j] != 0) & (s > f[rows.escape_sine, j])
         left = bound & (h > rules.escape_height)
         events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(passed, int(Event.PITCH), 0)
         n[Int.EVENT, j] |= events | ti.select(left, int(Event.ESCAPE), 0)
-        n[Int.STEP, j] += ti.select(on, 1, 0)
+        tick(f, n, j, on)
         put(f, rows.x, j, ti.select(on, x1, x0))
         put(f, rows.rest, j, ti.select(on, get(f, rows.trial_rest, j), get(f, rows.rest, j)))
         put(f, rows.e, j, ti.select(on, e1, e0))

@@ -13,7 +13,7 @@ from porous_swim.obstacles.search import ivec3, make_between
 
 
 @cache
-def make_orient(real, dimensions: int):
+def make_orient(real, dimensions: int, located: bool):
     """Return `orient(f, n, j, i, swimmers, medium)`.
 
     It makes the lane's relations between its nearest colloid and the colloid of its encounter.
@@ -37,6 +37,12 @@ def make_orient(real, dimensions: int):
         awaited = (n[Int.PHASE, j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A, j], f[rows.bound_A, j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
+        if ti.static(located):
+            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
+            n[LaneInt.BETWEEN, j] = ti.cast(m >= 0, ti.i32)
+            m, image_m = ti.select(m < 0, k, m), ti.select(m < 0, image, image_m)
+            f[rows.mate_A, j] = medium.radius[m]
+            put(f, rows.mate_offset, j, between(medium, m, image_m, k, image))
         n[LaneInt.OWN, j] = ti.cast(own, ti.i32)
         n[LaneInt.WATCH_CONTACT, j] = ti.cast(news, ti.i32)
         n[LaneInt.WATCH_PITCH, j] = ti.cast(awaited & (f[rows.escape_sine, j] < real(1.0)), ti.i32)
@@ -91,7 +97,7 @@ def make_capture(real, dimensions: int, contact_height):
         exact = lift_off_sine(medium.radius[k], f[rows.alpha, j])
         threshold = ti.select(threshold < real(-1.0), exact, threshold)
         f[rows.escape_sine, j] = threshold
-        touch = h <= contact_height(s, f[rows.gamma, j]) + rules.tolerance
+        touch = h <= contact_height(s, f[rows.gamma, j], medium.radius[k]) + rules.tolerance
         f[rows.release_sine, j], f[rows.release_winding, j] = s, real(0.0)
         n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j] = -1, 0
         step = rules.first + n[Int.STEP, j]
@@ -99,6 +105,9 @@ def make_capture(real, dimensions: int, contact_height):
         swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
         swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
         swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
+        for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
+            f[row, j] = f[rows.clock, j]
+        f[rows.contact_clock, j] = real(0.0)
 
     return capture
 
@@ -135,6 +144,7 @@ def make_encounters(real, dimensions: int, contact_height):
         passed = (event & int(Event.PITCH)) != 0
         if passed & (phase == int(Phase.BOUND)):
             swimmers.long[int(Long.PITCH), i] = step
+            f[rows.pitch_clock, j] = f[rows.clock, j]
         late = passed & (phase == int(Phase.LEFT))
         written = True
         if escaped | late:

@@ -18,7 +18,9 @@ from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.errors import DeviceError, RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
+from porous_swim.physics.located import tableau
 
 LANES = {"f32": 16, "f64": 8}  # on a CPU; a thread of a GPU is one lane
 CHUNK = 4  # steps between looks at events
@@ -72,6 +74,7 @@ class Engine:
     def __init__(
         self, backend: Backend, field: ObstacleField, position: np.ndarray, director: np.ndarray, *,
         laws: Laws, numbers: Numbers, hydrodynamics: type, variates: str | None, precision: str,
+        integrator: str = "euler",
         law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int = LOG_ROWS,
     ) -> None:  # fmt: skip
         """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`."""
@@ -80,12 +83,14 @@ class Engine:
         self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
         self._news: list[Ended] = []
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
+        lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
         self._n_blocks = -(-self.n_swimmers // (self.lanes * group)) * group
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
-        self._compile(flow, variates, precision, sphere=bool(np.all(laws.aspect_ratio == 1.0)))
+        shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
+        self._compile(flow, variates, precision, integrator, shape)
         cells = build_cells(field, reach=numbers.escape_height)
         rounding = float(np.finfo(self._real).eps)
         self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
@@ -134,11 +139,15 @@ class Engine:
         self._records.add(*self._host().open_rows(self.step), censored=True)
         return self._records.columns()
 
-    def _compile(self, hydrodynamics: type, variates: str | None, precision: str, *, sphere: bool) -> None:
+    def _compile(
+        self, hydrodynamics: type, variates: str | None, precision: str, integrator: str, shape: Shape
+    ) -> None:
         real = {"f32": ti.f32, "f64": ti.f64}[precision]
         self._advance = make_advance(
-            Structure(hydrodynamics, variates, sphere, self._field.dimensions, real, self.lanes)
+            Structure(hydrodynamics, variates, shape, self._field.dimensions, real, self.lanes, integrator)
         )
+        table = tableau() if integrator == "located" else np.zeros((1, 1))
+        self._tableau = on_device(table.astype(self._real))
 
     def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
         state = HostState.placed(self._field, position, director, law_of, self._real)
@@ -151,7 +160,7 @@ class Engine:
         seed, first, numbers = self._numbers.seed, self.step, self._numbers
         rules = Rules(
             numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,
-            first, first & WORD, first >> 32, seed & WORD, seed >> 32,
+            first, first & WORD, first >> 32, seed & WORD, seed >> 32, self._tableau,
         )  # fmt: skip
         fresh, finished, idle = 1, 0, 0
         while finished < self.n_swimmers:

@@ -22,6 +22,7 @@ class Snapshot:
     bound: np.ndarray  # (n,) bool, in an encounter
     height: np.ndarray  # (n,) float64, a, above the colloid of the encounter, else above the nearest
     pitch_sine: np.ndarray  # (n,) float64, of the pitch there
+    radius: np.ndarray  # (n,) float64, a, of that colloid; infinite in an empty field
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ class HostState:
         )
         colloid, image, _ = field.nearest(position)
         state.int[Int.COLLOID], state.int[Int.IMAGE : Int.IMAGE + 3] = np.maximum(colloid, 0), image.T
-        state.int[Int.BOUND], state.int[Int.TOUCHED] = -1, -1
+        state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.MATE] = -1, -1, -1
         state.int[Int.EVENT], state.int[Int.SET] = int(Event.LOCATE), law_of
         offset = position - state._center(Int.COLLOID, Int.IMAGE)
         state.real[rows.x : rows.x + d] = offset.T[:d]
@@ -69,11 +70,13 @@ class HostState:
         empty = len(self.field.radii) == 0
         colloid = np.full_like(self.int[Int.COLLOID], -1) if empty else self.int[Int.COLLOID]
         host = np.where(bound, self.int[Int.BOUND], colloid)
-        height = np.full(len(R), np.inf) if empty else R - self.field.radii[host]
+        radius = np.full(len(R), np.inf) if empty else self.field.radii[host]
+        height = np.full(len(R), np.inf) if empty else R - radius
         sine = np.einsum("ij,ij->i", r, director) / np.where(R > 0.0, R, 1.0)
         return Snapshot(
-            position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound, height, sine
-        )
+            position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound, height, sine,
+            radius,
+        )  # fmt: skip
 
     def open_rows(self, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows of the log (reals, integers, steps) for the encounters under way at `step`."""

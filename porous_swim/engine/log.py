@@ -43,6 +43,7 @@ class LogLong(IntEnum):
 
 SCALARS = (
     "winding", "signed", "push", "min_height", "height", "max_height", "release_sine", "release_winding",
+    "start_clock", "pitch_clock", "release_clock", "contact_clock",
 )  # fmt: skip
 
 
@@ -51,7 +52,10 @@ def log_columns(dimensions: int) -> SimpleNamespace:
     """Real columns of a row: four vectors, then scalars; offsets are from the encounter's colloid."""
     d = dimensions
     scalars = {name: 4 * d + k for k, name in enumerate(SCALARS)}
-    return SimpleNamespace(entry_x=0, entry_e=d, exit_x=2 * d, exit_e=3 * d, n_real=4 * d + len(SCALARS), **scalars)
+    return SimpleNamespace(
+        entry_x=0, entry_e=d, exit_x=2 * d, exit_e=3 * d, **scalars,
+        end_clock=4 * d + len(SCALARS), n_real=4 * d + len(SCALARS) + 1,
+    )  # fmt: skip
 
 
 @cache
@@ -93,7 +97,9 @@ def make_log(real, dimensions: int):
             for d in ti.static(range(3)):
                 log.int[slot, int(LogInt.IMAGE) + d] = swimmers.int[int(Int.BOUND_IMAGE) + d, i]
             log.long[slot, int(LogLong.START)] = swimmers.long[int(Long.START), i]
+            log.real[slot, columns.end_clock] = f[rows.clock, j]
             if late:
+                log.real[slot, columns.pitch_clock] = f[rows.clock, j]
                 log.long[slot, int(LogLong.END)] = ti.i64(-1)
                 log.long[slot, int(LogLong.PITCH)] = step
             else:

@@ -9,30 +9,34 @@ from porous_swim.engine.book import make_book, make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, real_rows
 from porous_swim.physics.rounding import rounded
 
+FAR = 1e3  # a
+
 
 @cache
-def make_step(real, dimensions: int, integrate, contact_height):
-    """Return `step(f, n, j, swimmer, rules, n_steps)`, which moves lane j if it waits for nothing.
+def make_step(real, dimensions: int, integrate, contact_height, sphere: bool):
+    """Return `step(f, n, j, swimmer, swimmers, medium, rules, n_steps)`, which moves lane j if it waits for nothing.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass ends it.
     """
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
-    book = make_book(real, dimensions, contact_height)
+    book = make_book(real, dimensions)
 
     @ti.func
     def keep_out(x, rest, e, A, gamma):
         """Project a position that is inside the contact height back on it."""
         R = ti.sqrt(x.dot(x))
-        least = A + contact_height(x.dot(e) / R, gamma)
+        height = contact_height(x.dot(e) / R, gamma, A)
+        least = A + height
         touch = least >= R
         push = ti.max(least - R, real(0.0))
         y = x * (push / R) + rest  # compensated like the step: slow sliding along a large colloid is not lost
         z = rounded(x + y)
-        return z, y - (z - x), touch, push
+        return z, y - (z - x), touch, push, height
 
     @ti.func
-    def step(f: ti.template(), n: ti.template(), j, swimmer, rules: ti.template(), n_steps):
+    def step(f: ti.template(), n: ti.template(), j, swimmer, swimmers: ti.template(), medium: ti.template(),
+             rules: ti.template(), n_steps):  # fmt: skip
         on = (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] < n_steps)
         x, rest = get(f, rows.x, j), get(f, rows.rest, j)
         law = ti.Vector([f[rows.alpha + k, j] for k in ti.static(range(4))])
@@ -44,7 +48,7 @@ def make_step(real, dimensions: int, integrate, contact_height):
         )
         y = dx + rest  # compensated: a swimmer far from its colloid loses no digit of its steps
         x1 = rounded(x + y)
-        x1, rest, touch, push = keep_out(x1, y - (x1 - x), e, A, f[rows.gamma, j])
+        x1, rest, touch, push, least = keep_out(x1, y - (x1 - x), e, A, f[rows.gamma, j])
         put(f, rows.trial_x, j, x1)
         put(f, rows.trial_rest, j, rest)
         put(f, rows.trial_e, j, e)
@@ -53,6 +57,8 @@ def make_step(real, dimensions: int, integrate, contact_height):
         moved = x1 - get(f, rows.reference, j)
         within = moved.dot(moved) <= f[rows.budget, j]  # false for a position that is not finite
         n[Int.EVENT, j] |= ti.select(on & (not within), int(Event.FINISH), 0)
-        book(f, n, j, on & within, rules)
+        if ti.static(not sphere):  # within its budget a rod is out of contact with every other colloid
+            least = ti.select(n[LaneInt.OWN, j] != 0, least, real(-FAR))
+        book(f, n, j, on & within, rules, least)
 
     return step

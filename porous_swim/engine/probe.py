@@ -8,7 +8,7 @@ import taichi as ti
 
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
-from porous_swim.physics.contact import HardContact
+from porous_swim.physics.contact import HardContact, shape_of
 from porous_swim.physics.hydrodynamics import ImageDipole, NoHydrodynamics
 
 HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole}
@@ -32,14 +32,14 @@ def _drift_kernel(law: type, real: object):
 
 
 @cache
-def _height_kernel(sphere: bool):
-    contact_height = HardContact.make_height(ti.f64, sphere)
+def _height_kernel(shape):
+    contact_height = HardContact.make_height(ti.f64, shape)
     Numbers = ti.types.ndarray(ti.f64, ndim=1)
 
     @ti.kernel
-    def probe(s: Numbers, gamma: ti.f64, height: Numbers):
+    def probe(s: Numbers, A: Numbers, gamma: ti.f64, height: Numbers):
         for i in range(s.shape[0]):
-            height[i] = contact_height(s[i], gamma)
+            height[i] = contact_height(s[i], gamma, A[i])
 
     return probe
 
@@ -91,22 +91,22 @@ def drift(
 
 
 def contact_height(pitch, *, radius, aspect_ratio=1.0):
-    """Least height of a swimmer's centre above a sphere, a, at `pitch` (n,) rad; 1 for a spherical swimmer.
+    """Least height of a swimmer's centre above a sphere of `radius`, a, at `pitch` (n,) rad.
 
-    For rods the height above a plane, sqrt(sin^2 + gamma^2 cos^2): against a sphere of radius 20 it is 2 to 3 % high
-    at gamma = 0.25, so `radius` does not change it.
+    For a prolate spheroid with semi-axes 1, gamma and gamma (`aspect_ratio`), exact; 1 for a spherical swimmer.
     """
     return height_at_sine(np.sin(np.asarray(pitch, dtype=np.float64)), np.asarray(radius), aspect_ratio=aspect_ratio)
 
 
 def height_at_sine(sine, radius, *, aspect_ratio):
-    """The same, at sines of the pitch; broadcast with `radius`."""
+    """The same, at sines of the pitch; broadcast with `radius`, above 0."""
     if not 0.0 < aspect_ratio <= 1.0:
         raise ValueError(f"aspect_ratio: expected 0 < gamma <= 1, found {aspect_ratio!r}")
     backend.ensure_any()
-    s, _ = np.broadcast_arrays(np.asarray(sine, dtype=np.float64), np.asarray(radius, dtype=np.float64))
+    s, A = np.broadcast_arrays(np.asarray(sine, dtype=np.float64), np.asarray(radius, dtype=np.float64))
     if s.size == 0:
         return np.zeros(s.shape)
     result = on_device(np.zeros(s.size))
-    _height_kernel(aspect_ratio == 1.0)(on_device(np.array(s).ravel()), aspect_ratio, result)
+    shape = shape_of(aspect_ratio, float(A.min()))
+    _height_kernel(shape)(on_device(np.array(s).ravel()), on_device(np.array(A).ravel()), aspect_ratio, result)
     return result.to_numpy().reshape(s.shape)

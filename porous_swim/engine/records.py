@@ -9,6 +9,11 @@ import numpy as np
 from porous_swim.engine.log import LogInt, LogLong, log_columns
 from porous_swim.obstacles.field import ObstacleField
 
+CLOCK = {  # the column that says what a number of steps lacks
+    LogLong.START: "start_clock", LogLong.END: "end_clock", LogLong.RELEASE: "release_clock",
+    LogLong.PITCH: "pitch_clock", LogLong.N_CONTACT: "contact_clock",
+}  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Ended:
@@ -30,7 +35,8 @@ class Records:
         self._long: list[np.ndarray] = []
         self._censored: list[np.ndarray] = []
         self._late: list[np.ndarray] = []  # (n, 3): swimmer, start, step of the escape pitch
-        self._last_end = np.full(n_swimmers, -1, np.int64)  # of each swimmer's latest logged encounter
+        self._late_clock: list[np.ndarray] = []  # (n,) what that step lacks
+        self._last_end = np.full(n_swimmers, -1.0)  # of each swimmer's latest logged encounter, in steps
         self._last_host = np.zeros((n_swimmers, 4), np.int32)  # its colloid and image
 
     def add(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray, *, censored: bool = False) -> Ended:
@@ -39,27 +45,33 @@ class Records:
         self._late.append(
             np.stack([integer[late, LogInt.SWIMMER], long[late, LogLong.START], long[late, LogLong.PITCH]], axis=1)
         )
+        self._late_clock.append(np.array(real[late, self._columns.pitch_clock], float))
         keep = np.flatnonzero(~late)
         keep = keep[np.lexsort((long[keep, LogLong.START], integer[keep, LogInt.SWIMMER]))]
         real, integer, long = real[keep], integer[keep], long[keep]
         for store, rows in ((self._real, real), (self._int, integer), (self._long, long)):
             store.append(np.array(rows))
         self._censored.append(np.full(len(keep), censored))
-        residence = (long[:, LogLong.END] - long[:, LogLong.START]) * self._time_step
-        return Ended(residence, real[:, self._columns.winding].astype(float), self._hop_times(integer, long))
+        start, end = self._clocked(real, long, LogLong.START), self._clocked(real, long, LogLong.END)
+        residence = (end - start) * self._time_step
+        return Ended(residence, real[:, self._columns.winding].astype(float), self._hop_times(integer, start, end))
 
-    def _hop_times(self, integer: np.ndarray, long: np.ndarray) -> np.ndarray:
+    def _clocked(self, real: np.ndarray, long: np.ndarray, which: LogLong) -> np.ndarray:
+        """Times in steps, as real numbers."""
+        return long[:, which] + real[:, getattr(self._columns, CLOCK[which])].astype(float)
+
+    def _hop_times(self, integer: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """Times from the end of each swimmer's previous encounter, where that was with another colloid."""
         who, host = integer[:, LogInt.SWIMMER], integer[:, LogInt.COLLOID :]
         if len(who) == 0:
             return np.zeros(0)
         first = np.r_[True, who[1:] != who[:-1]]
-        before = np.where(first, self._last_end[who], np.r_[0, long[:-1, LogLong.END]])
+        before = np.where(first, self._last_end[who], np.r_[0.0, end[:-1]])
         host_before = np.where(first[:, None], self._last_host[who], np.r_[host[:1], host[:-1]])
         last = np.r_[who[1:] != who[:-1], True]
-        self._last_end[who[last]], self._last_host[who[last]] = long[last, LogLong.END], host[last]
+        self._last_end[who[last]], self._last_host[who[last]] = end[last], host[last]
         hopped = (before >= 0) & np.any(host != host_before, axis=1)
-        return (long[:, LogLong.START] - before)[hopped] * self._time_step
+        return np.asarray((start - before)[hopped] * self._time_step)
 
     def columns(self) -> dict[str, np.ndarray]:
         """The encounter table's columns, sorted by start time, then swimmer. Times in a/U, lengths in a."""
@@ -68,20 +80,21 @@ class Records:
         integer = np.concatenate(self._int or [np.zeros((0, 5), np.int32)])
         long = np.concatenate(self._long or [np.zeros((0, len(LogLong)), np.int64)])
         censored = np.concatenate(self._censored or [np.zeros(0, bool)])
-        self._pass_late(integer, long)
-        order = np.lexsort((integer[:, LogInt.SWIMMER], long[:, LogLong.START]))
+        self._pass_late(integer, long, real)
+        order = np.lexsort((integer[:, LogInt.SWIMMER], real[:, c.start_clock], long[:, LogLong.START]))
         real, integer, long, censored = real[order], integer[order], long[order], censored[order]
-        time = {step: self._times(long[:, step]) for step in LogLong}
-        n_steps = long[:, LogLong.END] - long[:, LogLong.START]
+        steps = {step: self._clocked(real, long, step) for step in LogLong}
+        time = {step: np.where(long[:, step] >= 0, steps[step] * self._time_step, np.nan) for step in LogLong}
+        n_steps = steps[LogLong.END] - steps[LogLong.START]
         center = self._field.centers[integer[:, LogInt.COLLOID]] + integer[:, LogInt.IMAGE :] * self._field.box
         released = np.where(long[:, LogLong.RELEASE] >= 0, 1.0, np.nan)
         # before the first step of an encounter has been booked its mean height is that of its entry
-        mean = np.where(n_steps > 0, real[:, c.height] / np.maximum(n_steps, 1), real[:, c.min_height])
+        mean = np.where(n_steps > 0, real[:, c.height] / np.where(n_steps > 0, n_steps, 1), real[:, c.min_height])
         columns = dict(
             swimmer=integer[:, LogInt.SWIMMER], colloid=integer[:, LogInt.COLLOID],
             start_time=time[LogLong.START], end_time=time[LogLong.END],
             start_censored=np.zeros(len(long), bool), end_censored=censored,
-            contact_time=long[:, LogLong.N_CONTACT] * self._time_step, wall_push=real[:, c.push],
+            contact_time=time[LogLong.N_CONTACT], wall_push=real[:, c.push],
             winding=real[:, c.winding], signed_winding=real[:, c.signed] if d == 2 else np.full(len(long), np.nan),
             release_time=time[LogLong.RELEASE],
             release_pitch=np.arcsin(np.clip(real[:, c.release_sine], -1, 1)) * released,
@@ -105,10 +118,7 @@ class Records:
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]
         return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True))
 
-    def _times(self, steps: np.ndarray) -> np.ndarray:
-        return np.where(steps >= 0, steps * self._time_step, np.nan)
-
-    def _pass_late(self, integer: np.ndarray, long: np.ndarray) -> None:
+    def _pass_late(self, integer: np.ndarray, long: np.ndarray, real: np.ndarray) -> None:
         """Give encounters the escape pitch that was passed after their end."""
         late = np.concatenate(self._late or [np.zeros((0, 3), np.int64)])
         if len(late) == 0:
@@ -117,3 +127,4 @@ class Records:
         row_of = {pair: row for row, pair in enumerate(zip(key[0].tolist(), key[1].tolist(), strict=True))}
         rows = [row_of[swimmer, start] for swimmer, start in late[:, :2].tolist()]
         long[rows, LogLong.PITCH] = late[:, 2]
+        real[rows, self._columns.pitch_clock] = np.concatenate(self._late_clock)

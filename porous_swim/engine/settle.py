@@ -12,6 +12,7 @@ from porous_swim.obstacles.search import ivec3, make_between, make_search
 
 MAX_PROJECTIONS = 8
 MAX_IMAGE = 2**30
+BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are equally near, where events are located
 
 
 @cache
@@ -66,7 +67,8 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
                 j, image_j = found.deep, found.deep_image
                 c = between(medium, k, image, j, image_j)
                 v = y - c
-                radius = medium.radius[j] + contact_height(v.dot(e) / ti.sqrt(v.dot(v)), gamma)
+                A = medium.radius[j]
+                radius = A + contact_height(v.dot(e) / ti.sqrt(v.dot(v)), gamma, A)
                 back = same(j, image_j, before, before_image)
                 y = ti.select(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
                 y, e = ti.select(tries == MAX_PROJECTIONS, y_old, y), ti.select(tries == MAX_PROJECTIONS, e_old, e)
@@ -79,11 +81,12 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
 
 
 @cache
-def make_settle(real, dimensions: int, contact_height, sphere: bool):
-    """Return `settle(f, n, j, i, swimmers, medium, rules)`, which ends the trial move of lane j (swimmer i).
+def make_settle(real, dimensions: int, contact_height, sphere: bool, located: bool):
+    """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
-    is set anew: half of the lead of the nearest surface, so that no other can be nearer within it.
+    is set anew: half of the lead of the nearest surface, so that no other can be nearer within it. A swimmer no
+    higher than `band` above contact touches.
     """
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
@@ -99,11 +102,13 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
             f[rows.trial_push, j] += ti.max(real(0.0), moved.dot(r) / ti.sqrt(r.dot(r)))
 
     @ti.func
-    def set_budget(f: ti.template(), j, y, found, margin):
+    def set_budget(f: ti.template(), j, y, found, rules: ti.template()):
         budget = real(0.5) * (found.second - found.first)
-        if ti.static(not sphere):  # the second nearest may stop a rod that the nearest lets pass
-            budget = ti.min(budget, found.second - real(1.0))
-        budget = ti.max(real(0.0), budget - margin)
+        if ti.static(
+            not sphere
+        ):  # the second nearest may stop a rod that the nearest lets pass, or have it in its band
+            budget = ti.min(budget, found.second - real(1.0) - ti.max(rules.contact_band, rules.tolerance))
+        budget = ti.max(real(0.0), budget - rules.margin)
         f[rows.budget, j] = budget * budget
         put(f, rows.reference, j, y)
 
@@ -123,14 +128,24 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
         put_image(swimmers, int(Int.STRUCK_IMAGE), i, ti.select(other, last_image, image))
 
     @ti.func
+    def pair(i, swimmers: ti.template(), found, k, image):
+        """Remember the colloid that a swimmer left, as long as it is as near as the new one."""
+        stays = same(k, image, found.near, found.image)
+        mate = ti.select(found.second - found.first > real(BETWEEN), -1, swimmers.int[int(Int.MATE), i])
+        image_m = image_of(swimmers, int(Int.MATE_IMAGE), i)
+        swimmers.int[int(Int.MATE), i] = ti.select(stays, mate, k)
+        put_image(swimmers, int(Int.MATE_IMAGE), i, ti.select(stays, image_m, image))
+
+    @ti.func
     def stop(n: ti.template(), j, i, swimmers: ti.template(), status: ti.template()):
         swimmers.int[int(Int.STATUS), i] = int(status)
         n[Int.EVENT, j] = int(Event.HALT)
 
     @ti.func
     def settle(
-        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), rules: ti.template()
-    ):
+        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+        rules: ti.template(), band,
+    ):  # fmt: skip
         x, y, e = get(f, rows.x, j), get(f, rows.trial_x, j), get(f, rows.trial_e, j)
         finite = (y.dot(y) < real(1e30)) & (e.dot(e) < real(1e30))
         if not finite:
@@ -141,6 +156,8 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
                 medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance
             )
             push_off(f, j, y, z)
+            if ti.static(located):
+                pair(i, swimmers, found, k, image)
             if not same(k, image, found.near, found.image):
                 shift = between(medium, found.near, found.image, k, image)
                 z += shift
@@ -148,10 +165,10 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool):
                 swimmers.int[int(Int.COLLOID), i] = found.near
                 put_image(swimmers, int(Int.IMAGE), i, found.image)
             strike(n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image)
-            set_budget(f, j, z, found, rules.margin)
+            set_budget(f, j, z, found, rules)
             put(f, rows.trial_x, j, z)
             put(f, rows.trial_e, j, d)
-            n[LaneInt.TOUCH, j] = ti.cast(found.depth >= -rules.tolerance, ti.i32)
+            n[LaneInt.TOUCH, j] = ti.cast(found.depth >= -band, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
                     stop(n, j, i, swimmers, Status.OUTSIDE)

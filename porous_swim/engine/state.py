@@ -52,6 +52,8 @@ class Int(IntEnum):
     SET = 16  # row of the table of parameter sets
     STRUCK = 17  # the colloid that a contact is with: the nearest, but where several are touched
     STRUCK_IMAGE = 18
+    MATE = 21  # of a swimmer between two colloids, the other one; -1 elsewhere (located events only)
+    MATE_IMAGE = 22
 
 
 class LaneInt(IntEnum):
@@ -63,10 +65,12 @@ class LaneInt(IntEnum):
     TOUCH = 6  # the trial move ends at the wall of the nearest colloid
     N_CONTACT = 7  # steps in contact, of this launch
     RELEASE = 8  # step after which the wall was last touched, of this launch; -1 if none
+    LOW = 9  # a located move began in the contact band
+    BETWEEN = 10  # there is a mate
 
 
 class Long(IntEnum):
-    """Rows of 64-bit integers, in memory only: steps since the start of the run, -1 for never."""
+    """Rows of 64-bit integers, in memory only: whole steps since the start of the run, -1 for never."""
 
     START = 0
     RELEASE = 1
@@ -87,7 +91,7 @@ class Total(IntEnum):
 
 
 N_SHARED_INTS = 3
-N_INTS = 21  # rows of `Int`, images taking three
+N_INTS = 25  # rows of `Int`, images taking three
 
 
 class Law(IntEnum):
@@ -107,6 +111,8 @@ def real_rows(dimensions: int) -> SimpleNamespace:
 
     The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
     in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
+    `clock` is the part of the present step that is behind a swimmer, and `*_clock` what a number of whole steps
+    lacks: a scheme that ends steps only as wholes leaves them at zero.
     """
     rows = SimpleNamespace()
 
@@ -123,12 +129,13 @@ def real_rows(dimensions: int) -> SimpleNamespace:
         0,
         "x rest e reference",
         "budget winding winding_rest signed signed_rest push push_rest height height_rest "
-        "min_height max_height release_sine release_winding escape_sine",
+        "min_height max_height release_sine release_winding escape_sine "
+        "clock start_clock pitch_clock release_clock contact_clock",
     )
     rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
     rows.n_lanes = number(
         rows.n_shared,
-        "bound_offset trial_x trial_rest trial_e",
-        "A bound_A alpha bretherton kick turn gamma trial_push",
+        "bound_offset mate_offset trial_x trial_rest trial_e",
+        "A bound_A mate_A alpha bretherton kick turn gamma trial_push trial_clock trial_height",
     )
     return rows

@@ -31,6 +31,7 @@ class Rules(NamedTuple):
     first_high: Any
     key0: Any
     key1: Any
+    tableau: Any  # of `physics.located`; one number where events are not located
 
 
 @ti.func

@@ -110,7 +110,7 @@ def make_search(real, dimensions: int, contact_height, sphere: bool):
             elif distance < found.second:
                 found.second = distance
             if ti.static(not sphere):
-                depth = contact_height(v.dot(e) / R, gamma) - distance
+                depth = contact_height(v.dot(e) / R, gamma, medium.radius[j]) - distance
                 if depth > found.depth:
                     found.deep, found.deep_image, found.depth = j, image + box + shift, depth
         if ti.static(sphere):  # whose contact height is the same everywhere: the deepest is the nearest

@@ -1,8 +1,8 @@
 """Hard contact: how near a swimmer's centre may come to a colloid's surface.
 
-Lengths in half-lengths a. A sphere keeps h >= 1. A rod (aspect ratio gamma < 1) keeps
-h >= sqrt(sin^2 theta + gamma^2 cos^2 theta), which is exact for a plane wall and 2 to 3 % high
-against a sphere of radius 20 at gamma = 0.25 (more against smaller spheres).
+Lengths in half-lengths a. A sphere keeps h >= 1. A prolate spheroid (semi-axes 1, gamma, gamma) touches a sphere of
+radius A with the point whose normal n is turned by p from its axis: its support there is the vector
+(cos p, gamma^2 sin p)/S with S = sqrt(cos^2 p + gamma^2 sin^2 p), so that the centres are x = A n + support apart.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
@@ -13,6 +13,18 @@ import taichi as ti
 
 from porous_swim.parts import Part
 
+Shape = Literal["sphere", "rod", "needle"]
+# Shapes below this aspect ratio, or at colloids below this radius, are needles: more work for the same digits.
+ROD_RATIO, ROD_RADIUS = 0.1, 1.0
+THINNEST = 0.01  # aspect ratio down to which a needle's contact height was checked, at radii from 0.05 on
+
+
+def shape_of(aspect_ratio: float, radius: float) -> Shape:
+    """The class of contact that the least aspect ratio gamma and the least radius of colloids (a) need."""
+    if aspect_ratio == 1.0:
+        return "sphere"
+    return "rod" if aspect_ratio >= ROD_RATIO and radius >= ROD_RADIUS else "needle"
+
 
 class HardContact(Part):
     """A wall that stops the swimmer without torque or friction."""
@@ -21,14 +33,86 @@ class HardContact(Part):
 
     @staticmethod
     @cache
-    def make_height(real, sphere: bool):
-        """Return `contact_height(s, gamma)`: the least height at sine s of the pitch."""
+    def make_height(real, shape: Shape):
+        """Return `contact_height(s, gamma, A)`: the least height at sine s of the pitch above a sphere of radius A."""
+        height_and_slope = HardContact.make_height_and_slope(real, shape)
 
         @ti.func
-        def contact_height(s, gamma):
-            h = real(1.0)
-            if ti.static(not sphere):
-                h = ti.sqrt(s * s + gamma * gamma * (real(1.0) - s * s))
+        def contact_height(s, gamma, A):
+            h, _ = height_and_slope(s, gamma, A)
             return h
 
         return contact_height
+
+    @staticmethod
+    @cache
+    def make_height_and_slope(real, shape: Shape):
+        """Return `height_and_slope(s, gamma, A)`: the least height, and its derivative with respect to s."""
+        normal = make_normal(real, shape)
+
+        @ti.func
+        def height_and_slope(s, gamma, A):
+            h, slope = real(1.0), real(0.0)
+            if ti.static(shape != "sphere"):
+                up = ti.min(ti.abs(s), real(1.0))
+                along = ti.sqrt(real(1.0) - up * up)
+                c, w = normal(up, along, gamma, A)
+                g = gamma * gamma
+                S = ti.sqrt(c * c + g * w * w)
+                turn = -(real(1.0) - g) * c * w / S  # S'(p)
+                R = ti.sqrt((S + A) * (S + A) + turn * turn)
+                h = (S * S + turn * turn + real(2.0) * A * S) / (R + A)  # R - A without cancellation
+                # dh/dtheta = -R S'/(A + S), over cos(theta); at the tip w/cos(theta) from the condition of contact
+                tip = c * (A * S + real(1.0)) / ti.max((A * S + g) * up, real(1e-30))
+                ratio = ti.select(up > along, tip, w / ti.max(along, real(1e-30)))
+                slope = ti.select(s < real(0.0), real(-1.0), real(1.0))
+                slope *= R * (real(1.0) - g) * c * ratio / (S * (A + S))
+            return h, slope
+
+        return height_and_slope
+
+
+@cache
+def make_normal(real, shape: Shape):
+    """Return `normal(up, along, gamma, A) -> cos p, sin p`, the direction of contact seen from the swimmer's axis.
+
+    `up` and `along` are sine and cosine of the pitch's size. The condition of contact, x(p) parallel to the line of
+    centres, reads tan p = along (A S + 1)/(up (A S + gamma^2)): taken as an iteration it comes near from any start,
+    and Halley's method ends it. Directions turn as vectors: no angle is needed. Errors of the height for a rod: 4e-9
+    after two Halley steps, rounding after three; for a needle rounding (largest of 8000 random cases each).
+    """
+    n_starts, n_steps = (2, 2 if real == ti.f32 else 3) if shape == "rod" else (12, 10)
+
+    @ti.func
+    def unit(c, w):
+        r = real(1.0) / ti.sqrt(c * c + w * w)
+        return c * r, w * r
+
+    @ti.func
+    def halley(c, w, up, along, g, A):
+        """Turn (c, w) by one step towards a root of f, the cross product of x(p) and the line of centres."""
+        k = real(1.0) - g
+        inverse = real(1.0) / ti.sqrt(c * c + g * w * w)  # 1/S
+        a, b = A + inverse, A + g * inverse
+        cube = k * inverse * inverse * inverse
+        da = cube * c * w  # d(1/S)/dp
+        m = c * along - g * w * up
+        f = c * a * along - w * b * up
+        df = da * m - (w * a * along + c * b * up)
+        dda = cube * (c * c - w * w) + real(3.0) * k * da * c * w * inverse * inverse
+        ddf = dda * m - real(2.0) * da * (w * along + g * c * up) - f
+        turn = -f * df / (df * df - real(0.5) * f * ddf)
+        return unit(c - w * turn, w + c * turn)
+
+    @ti.func
+    def normal(up, along, gamma, A):
+        g = gamma * gamma
+        c, w = up, along
+        for _ in ti.static(range(n_starts)):
+            S = ti.sqrt(c * c + g * w * w)
+            c, w = unit(up * (A * S + g), along * (A * S + real(1.0)))
+        for _ in ti.static(range(n_steps)):
+            c, w = halley(c, w, up, along, g, A)
+        return c, w
+
+    return normal

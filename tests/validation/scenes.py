@@ -24,14 +24,15 @@ def make_scene(
 
 
 def one_swimmer(
-    radius: float, dipole_strength: float, position: list[float], *, time_step: float, duration: float
-) -> ps.Scene:
+    radius: float, dipole_strength: float, position: list[float], *, time_step: float, duration: float,
+    integrator: str = "euler",
+) -> ps.Scene:  # fmt: skip
     """One swimmer without noise that sets out along x, in the plane that it shares with the colloid's centre."""
     release = {"kind": "point", "position": position, "director": [1, 0]}
     return make_scene(
         swimmers={"count": 1, "dipole_strength": dipole_strength, "release": release},
         obstacles={"layout": "single", "radius": radius}, dimensions=2,
-        run={"time_step": time_step, "duration": duration, "precision": "f64"},
+        run={"time_step": time_step, "duration": duration, "precision": "f64", "integrator": integrator},
         record={"every": duration, "swimmers": 1},
     )  # fmt: skip
 

@@ -23,8 +23,8 @@ SMOOTH = {"void_east", "void_to_gap", "contact_inward"}
 cases = pytest.mark.parametrize("case", LATTICE_OF)
 
 
-def states_at(case: str, time_step: float, folder) -> np.ndarray:
-    """Position and director of each start at t = 5 and 20, (2, n_starts, 6)."""
+def run_starts(case: str, time_step: float, folder, integrator: str) -> ps.Results:
+    """The starts of one lattice, to t = 20."""
     starts = PATHS[case].values()
     with (folder / "starts.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(
@@ -36,10 +36,20 @@ def states_at(case: str, time_step: float, folder) -> np.ndarray:
             "count": len(starts), "dipole_strength": lattice["alpha"], "release": {"kind": "file", "path": "starts.csv"}
         },
         obstacles=lattice["obstacles"], dimensions=lattice["dimensions"], folder=folder,
-        run={"time_step": time_step, "duration": 20.0, "precision": "f64"},
+        run={"time_step": time_step, "duration": 20.0, "precision": "f64", "integrator": integrator},
         record={"every": 5.0, "swimmers": len(starts)},
     )  # fmt: skip
-    tracks = ps.analysis.tracks(ps.run(scene).trajectory)
+    return ps.run(scene)
+
+
+def states_at(case: str, time_step: float, folder) -> np.ndarray:
+    """Position and director of each start at t = 5 and 20 with Euler's scheme, (2, n_starts, 6)."""
+    return states_of(run_starts(case, time_step, folder, "euler"))
+
+
+def states_of(results: ps.Results) -> np.ndarray:
+    """The same of a run."""
+    tracks = ps.analysis.tracks(results.trajectory)
     return np.concatenate([tracks.position, tracks.director], axis=2)[[1, 4]]
 
 
@@ -89,3 +99,19 @@ def test_trajectories_converge_at_first_order_to_the_listed_ones(case, tmp_path)
             # 0.43, 0.14, -0.14, -0.43 over ln 2 times 1.49, by 0.25.
             assert order == pytest.approx(1.0, abs=0.25)
             assert extrapolated < 0.5 * state["euler_5e5_max_error"] * (STEPS[-1] / 5e-5)
+
+
+@cases
+@pytest.mark.parametrize("time_step", [0.1, 0.02])
+def test_located_trajectories_are_the_listed_ones_to_every_decimal_whatever_the_step(case, time_step, tmp_path):
+    results = run_starts(case, time_step, tmp_path, "located")
+    ours = states_of(results)
+    for name, place, state in listed_states(case):
+        # one unit of the last trusted decimal: positions are listed to 7 to 11 of them
+        assert largest_error(ours[place], state) < 10.0 ** -state["decimals_trusted"], name
+    rows = results.encounters.to_pylist()
+    for swimmer, (name, start) in enumerate(PATHS[case].items()):
+        times = [(row["start_time"], row["end_time"]) for row in rows if row["swimmer"] == swimmer]
+        listed = [(encounter["start"], encounter["end"]) for encounter in start["encounters"]]
+        # events are located to rounding; the listed ones to 1e-10
+        assert np.array(times) == pytest.approx(np.array(listed), rel=0, abs=1e-9), name
