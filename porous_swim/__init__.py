@@ -15,6 +15,7 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is
 if TYPE_CHECKING:
     from porous_swim import analysis
     from porous_swim.analysis import theory
+    from porous_swim.analysis.flow import flow_field
     from porous_swim.engine.probe import contact_height, drift
     from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.results import Results, load_results
@@ -33,6 +34,7 @@ __all__ = [
     "analysis",
     "contact_height",
     "drift",
+    "flow_field",
     "load_results",
     "load_scene",
     "run",
@@ -40,6 +42,7 @@ __all__ = [
 ]
 
 _HOME = {
+    "analysis.flow": ("flow_field",),
     "errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
     "results": ("Results", "load_results"),
     "scene": ("Scene", "load_scene"),

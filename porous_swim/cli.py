@@ -125,6 +125,28 @@ def new(
 
 
 @app.command()
+def theory(
+    dipole_strength: Annotated[float, typer.Option(help="alpha: above 0 a pusher, below 0 a puller.")],
+    aspect_ratio: Annotated[float, typer.Option(help="gamma, minor over major axis; 1 is a sphere.")] = 1.0,
+    radius: Annotated[float | None, typer.Option(help="A, of the colloid, in swimmer half-lengths.")] = None,
+    diffusion: Annotated[float | None, typer.Option(help="D in a U, with D_r = 3 D/4; needs --radius.")] = None,
+    json_: Annotated[bool, typer.Option("--json", help="For machines.")] = False,
+) -> None:
+    """Print what theory predicts for one swimmer at one colloid: capture, sliding, scattering, trapping."""
+    import json
+
+    from porous_swim.theory_table import predictions
+
+    if diffusion is not None and radius is None:
+        raise SceneError("theory: --diffusion needs a --radius")
+    rows = predictions(dipole_strength, aspect_ratio, radius, diffusion)
+    if json_:
+        print(json.dumps([row.as_dict() for row in rows], indent=2))
+    else:
+        _print_rows([(f"{row.quantity} ({row.order})", row.text) for row in rows])
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of scene files, for editors."""
     import json

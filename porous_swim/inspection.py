@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 
@@ -83,15 +82,17 @@ def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
     """A/A_c for the radii of the field: a lone colloid captures for good, without noise, above 1."""
     if len(radii) == 0 or scene.hydrodynamics.kind == "none":
         return []
-    order: Literal["exact", "leading"] = "exact" if scene.swimmers.aspect_ratio == 1.0 else "leading"
-    A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio, order=order)
+    try:
+        A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio)
+    except ValueError:
+        return [("A/A_c", "above 1 for every radius: no colloid is too small to capture")]
     if math.isinf(A_c):
         return [("A/A_c", "0: without a dipole no radius captures")]
     values = np.unique(radii)
     ratios = ", ".join(f"{_short(A / A_c)} (A = {A:g})" for A in values[:6])
     if len(values) > 6:
         ratios = f"{_short(values[0] / A_c)} to {_short(values[-1] / A_c)} (A = {values[0]:g} to {values[-1]:g})"
-    return [("A/A_c", f"{ratios}; A_c = {A_c:.4g} ({'exact' if order == 'exact' else 'to leading order'})")]
+    return [("A/A_c", f"{ratios}; A_c = {A_c:.4g}")]
 
 
 def _count(n: int, noun: str) -> str:

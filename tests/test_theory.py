@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import math
 
+import numpy as np
 import pytest
+from commands import porous_swim
+from scipy.integrate import solve_ivp
 
+import porous_swim as ps
+from porous_swim.analysis import theory
 from porous_swim.analysis.theory import critical_radius, escape_angle
 
 # Independent simulator (event-located contact), digits as known.
@@ -70,12 +76,155 @@ def test_lift_off_pitch_at_a_plane_solves_its_quadratic() -> None:
     assert escape_angle(0.8, 1e9) == pytest.approx(escape_angle(0.8), rel=1e-8)  # corrections are of order 1/A
 
 
-def test_rods_have_no_exact_order_and_the_error_says_what_to_use() -> None:
-    for refused in (critical_radius, lambda alpha, ratio: escape_angle(alpha, 20.0, ratio)):
-        with pytest.raises(ValueError, match='order="leading"'):
-            refused(0.8, 0.5)
+def test_improved_closed_form_is_within_its_stated_error() -> None:
+    for alpha, share in {0.1: 0.0017, 0.4: 0.0017, 0.8: 0.0017, 1.0: 0.00175, 2.0: 0.0225, 4.0: 0.0995}.items():
+        assert critical_radius(alpha, order="improved") == pytest.approx(critical_radius(alpha), rel=share)
 
 
-def test_an_impossible_aspect_ratio_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"found 1\.5, allowed are 0 < aspect_ratio <= 1"):
-        critical_radius(0.8, 1.5)
+@pytest.mark.parametrize("aspect_ratio", [0.3, 0.7, 1.0])
+@pytest.mark.parametrize("radius", [3.0, 40.0])
+def test_rates_are_those_of_the_drift_of_the_kernel(radius: float, aspect_ratio: float) -> None:
+    """The height and the pitch of one kernel velocity and director rate, in their own geometry."""
+    for pitch, height in ((0.3, 1.2), (-1.2, 0.8), (1.5, 2.0)):
+        n, t = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+        e = np.cos(pitch) * t + np.sin(pitch) * n
+        velocity, turning = ps.drift(
+            [(radius + height) * n], [e], radius=radius, dipole_strength=0.6, aspect_ratio=aspect_ratio
+        )
+        turn = turning[0] @ (np.cos(pitch) * n - np.sin(pitch) * t) + velocity[0] @ t / (radius + height)
+        expected = [velocity[0] @ n, turn]
+        assert theory.rates(pitch, height, radius, 0.6, aspect_ratio) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("aspect_ratio", [0.4, 1.0])
+def test_near_wall_rates_are_the_limit_of_large_colloids_at_first_order(aspect_ratio: float) -> None:
+    """With the sign of Gamma in Appendix B; with the printed one nothing converges."""
+
+    def errors(radius: float) -> np.ndarray:
+        full = np.array(theory.rates(0.4, 1.1, radius, 0.6, aspect_ratio))
+        return np.abs(np.array(theory.near_wall_rates(0.4, 1.1, radius, 0.6, aspect_ratio)) - full)
+
+    # the next order of the pitch's rate is h/A, that of the height's rate (h/A)^2
+    assert errors(1e4) == pytest.approx(np.array([0.01, 0.1]) * errors(1e3), rel=0.02)
+    assert np.all(errors(1e4) < 1e-3)
+    plane = np.array(theory.rates(0.4, 1.1, math.inf, 0.6, aspect_ratio))
+    assert np.array(theory.rates(0.4, 1.1, 1e7, 0.6, aspect_ratio)) == pytest.approx(plane, abs=3e-7)
+
+
+def test_contact_height_of_theory_is_that_of_the_kernel() -> None:
+    for pitch in (-1.2, 0.0, 0.3):
+        for radius in (2.0, 50.0):
+            (kernel,) = ps.contact_height([pitch], radius=radius, aspect_ratio=0.3)
+            assert theory.contact_height(pitch, radius, 0.3) == pytest.approx(kernel, abs=1e-13)
+
+
+def test_a_spheroid_at_its_critical_radius_rests_at_lift_off() -> None:
+    radius = critical_radius(0.4, 0.7)
+    pitch = escape_angle(0.4, radius, 0.7)
+    height = theory.contact_height(pitch, radius, 0.7)
+    assert theory.rates(pitch, height, radius, 0.4, 0.7) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert theory.equilibrium_pitch(0.4, 1.0001 * radius, 0.7) == pytest.approx(pitch, rel=1e-3)
+
+
+def test_equilibrium_pitch_is_the_listed_one_and_none_below_the_critical_radius() -> None:
+    assert theory.equilibrium_pitch(0.8, 20.0) == pytest.approx(0.18107, abs=5e-6)
+    assert theory.equilibrium_pitch(0.8, 15.0) is None
+    assert theory.equilibrium_pitch(-0.8, 20.0) == -math.pi / 2
+    leading = theory.equilibrium_pitch(0.05, 1e5, order="leading")
+    assert leading == pytest.approx(theory.equilibrium_pitch(0.05, 1e5), rel=1e-3)
+
+
+def test_basin_depth_is_the_printed_closed_form() -> None:
+    assert theory.basin_depth(0.8, 200.0) == pytest.approx(0.96 * 128.0**0.2, rel=1e-14)
+
+
+def test_mean_trapping_times_are_the_listed_integrals_and_estimates() -> None:
+    noise = [5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 2e-2]
+    integral = [theory.mean_trapping_time(0.8, 20.0, 0.75 * D) for D in noise]
+    assert integral == pytest.approx([2977, 135.6, 33.82, 16.12, 9.718, 5.686], rel=4e-4)  # digits listed
+    for (A, D), listed in {(5.0, 0.002): 1.952, (50.0, 0.004): 66.4, (100.0, 0.008): 29.5}.items():
+        assert theory.mean_trapping_time(0.8, A, 0.75 * D) == pytest.approx(listed, rel=1.7e-3)
+    with pytest.warns(UserWarning, match="use order='integral'"):
+        estimate = [theory.mean_trapping_time(0.8, 20.0, 0.75 * D, order="estimate") for D in noise]
+    assert estimate == pytest.approx([22.1, 18.4, 14.39, 10.87, 8.03, 5.27], abs=0.051)
+
+
+def test_survival_integrates_to_the_mean_and_falls_from_one_to_zero() -> None:
+    times = np.linspace(0.0, 800.0, 40001)
+    survival = theory.trapping_survival(times, 0.8, 20.0, 0.0015)
+    assert survival[0] == pytest.approx(1.0, abs=1e-10)
+    assert np.all(np.diff(survival) < 1e-12)
+    # finite volumes 1e-5; the trapezoid on a first step of 0.02 less
+    assert np.trapezoid(survival, times) == pytest.approx(theory.mean_trapping_time(0.8, 20.0, 0.0015), rel=3e-5)
+
+
+def test_inverse_gaussian_has_the_paper_s_lambda() -> None:
+    law = theory.inverse_gaussian(38.4, 20.3)
+    assert (law.mean(), law.std()) == pytest.approx((38.4, 20.3), rel=1e-12)
+    t, shape = 30.0, 137.40  # lambda of the first panel, 137
+    density = math.sqrt(shape / (2 * math.pi * t**3)) * math.exp(-shape * (t - 38.4) ** 2 / (2 * 38.4**2 * t))
+    assert law.pdf(t) == pytest.approx(density, rel=1e-3)
+
+
+def test_sliding_is_the_integration_of_the_near_wall_equations() -> None:
+    alpha, A, arrival = 0.5, 20.0, -0.8
+    leave = 0.375 * alpha
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        return [theory.near_wall_rates(y[0], 1.0, A, alpha)[1], math.cos(y[0]) / A]
+
+    left = lambda _, y: y[0] - leave  # noqa: E731
+    left.terminal = True
+    path = solve_ivp(rates, (0.0, 500.0), [arrival, 0.0], events=left, rtol=1e-10, atol=1e-12)
+    assert theory.sliding_time(alpha, A, arrival_pitch=arrival) == pytest.approx(path.t[-1], rel=1e-8)
+    assert theory.winding(alpha, A, arrival_pitch=arrival) == pytest.approx(path.y[1, -1] / (2 * math.pi), rel=1e-8)
+
+
+def test_scattering_diverges_where_rest_meets_escape() -> None:
+    # 64/(9 alpha^2) passes A = 20 at alpha = 0.5963; with sines, 8/(3 A alpha) = sin(3 alpha/8), at 0.59880
+    assert theory.scattering_angle(0.5987, 20.0, 20.0) is not None
+    assert theory.scattering_angle(0.5989, 20.0, 20.0) is None
+    assert theory.scattering_angle(1e-6, 20.0, 21.0) == pytest.approx(0.0, abs=1e-5)  # grazes, and goes on
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: critical_radius(0.4, 1.2), "aspect_ratio: found 1.2, allowed are 0 < aspect_ratio <= 1"),
+        (lambda: critical_radius(0.4, order="best"), "order: found 'best'"),
+        (lambda: critical_radius(-0.4, order="improved"), "use 'exact'"),
+        (lambda: theory.mean_trapping_time(0.4, -1.0, 0.1), "radius: found -1"),
+        (lambda: theory.scattering_angle(0.4, 20.0, 22.0), "allowed are up to radius"),
+        (lambda: theory.sliding_time(5.0, 20.0), "near-wall theory needs"),
+        (lambda: theory.basin_depth(-0.4, 20.0), "dipole_strength: found -0.4"),
+    ],
+)
+def test_arguments_out_of_range_are_one_sentence(call, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence.replace("+", "[+]")):
+        call()
+
+
+def test_the_command_prints_a_table_and_json(tmp_path) -> None:
+    argv = ["theory", "--dipole-strength", "0.8", "--radius", "20", "--diffusion", "0.002"]
+    table = porous_swim(*argv, cwd=tmp_path).stdout
+    assert "critical radius (exact)" in table
+    assert "15.061 a" in table
+    rows = json.loads(porous_swim(*argv, "--json", cwd=tmp_path).stdout)
+    values = {(row["quantity"], row["order"]): row["value"] for row in rows}
+    assert values["mean trapping time", "integral"] == pytest.approx(33.82, abs=0.005)
+    assert values["sliding time from pitch 0", "near wall"] == "infinite"
+
+
+@pytest.mark.parametrize(
+    ("argv", "sentence"),
+    [
+        (["--dipole-strength", "0.8", "--aspect-ratio", "2"], "theory: aspect_ratio: found 2"),
+        (["--dipole-strength", "0.8", "--radius", "-2"], "theory: radius: found -2"),
+        (["--dipole-strength", "0.8", "--diffusion", "0.1"], "theory: --diffusion needs a --radius"),
+    ],
+)
+def test_the_command_refuses_in_one_sentence(argv, sentence: str, tmp_path) -> None:
+    done = porous_swim("theory", *argv, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith(sentence)
+    assert done.stderr.count("\n") == 1
