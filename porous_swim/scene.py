@@ -16,7 +16,7 @@ from porous_swim.obstacles.layouts import OPEN_BY_DEFAULT, Layout
 from porous_swim.parts import ContactHeight, KeyedError, Part
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
-from porous_swim.physics.hydrodynamics import ImageDipole, NoHydrodynamics
+from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
 from porous_swim.physics.noise import Brownian, NoNoise
 from porous_swim.scene_errors import scene_error
 from porous_swim.scene_identity import resolved, save, scene_hash
@@ -45,7 +45,7 @@ class Scene(Part):
     """What a, U and the fluid are in the laboratory."""
     swimmers: Population
     """The swimmers."""
-    hydrodynamics: Annotated[NoHydrodynamics | ImageDipole, Field(discriminator="kind")] = ImageDipole()
+    hydrodynamics: Annotated[NoHydrodynamics | ImageDipole | NearWall, Field(discriminator="kind")] = ImageDipole()
     """The flow that a colloid reflects onto a swimmer."""
     contact: HardContact = HardContact()
     """What happens where a swimmer touches a colloid."""

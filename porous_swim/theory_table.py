@@ -6,11 +6,11 @@ import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Literal
 
 from porous_swim.analysis import theory
 from porous_swim.errors import SceneError
-
 
 ORDERS: tuple[Literal["exact"], Literal["leading"]] = ("exact", "leading")
 
@@ -68,7 +68,7 @@ def _try(quantity: str, order: str, unit: str, compute: Callable[[], float | Non
 def _capture(alpha: float, gamma: float, A: float | None) -> Iterator[Prediction]:
     for order in ORDERS:
         theory.critical_radius(alpha, gamma, order="leading")  # arguments out of range end the table here
-        yield _try("critical radius", order, "a", lambda order=order: theory.critical_radius(alpha, gamma, order=order))
+        yield _try("critical radius", order, "a", partial(theory.critical_radius, alpha, gamma, order=order))
     if alpha > 0.0 and gamma == 1.0:
         yield _try("critical radius", "improved", "a", lambda: theory.critical_radius(alpha, order="improved"))
     where = "at a plane" if A is None else ""
@@ -76,7 +76,7 @@ def _capture(alpha: float, gamma: float, A: float | None) -> Iterator[Prediction
         for order in ORDERS:
             yield _try(
                 "escape angle", order, "rad",
-                lambda order=order: theory.escape_angle(alpha, math.inf if A is None else A, gamma, order=order),
+                partial(theory.escape_angle, alpha, math.inf if A is None else A, gamma, order=order),
                 where if order == "exact" else "",
             )  # fmt: skip
     if A is None:

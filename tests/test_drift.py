@@ -87,3 +87,37 @@ def test_a_rod_touches_a_plane_with_its_support_height():
 def test_a_wrong_option_is_named(bad, message):
     with pytest.raises(ValueError, match=message):
         ps.drift([[0, 0, 6]], [[0, 0, 1]], radius=5.0, dipole_strength=1.0, **bad)
+
+
+@pytest.mark.parametrize("aspect_ratio", [1.0, 0.4])
+def test_near_wall_height_and_pitch_obey_the_reduced_equations_exactly(aspect_ratio):
+    radius, alpha = 7.0, 0.6
+    for pitch, height in ((0.3, 1.2), (-1.2, 0.8), (1.4, 2.0)):
+        n, t = np.array([0.0, 0.6, 0.8]), np.array([0.0, 0.8, -0.6])
+        e = np.cos(pitch) * t + np.sin(pitch) * n
+        velocity, turning = ps.drift(
+            [(radius + height) * n], [e], radius=radius, dipole_strength=alpha, aspect_ratio=aspect_ratio,
+            hydrodynamics="near_wall",
+        )  # fmt: skip
+        turn = turning[0] @ (np.cos(pitch) * n - np.sin(pitch) * t) + velocity[0] @ t / (radius + height)
+        expected = ps.theory.near_wall_rates(pitch, height, radius, alpha, aspect_ratio)
+        assert (velocity[0] @ n, turn) == pytest.approx(expected, rel=1e-13)
+        assert turning[0] @ e == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("aspect_ratio", [1.0, 0.4])
+def test_near_wall_converges_to_the_full_drift_as_one_over_the_radius(aspect_ratio):
+    def difference(radius):
+        n, t = np.array([0.0, 0.6, 0.8]), np.array([0.0, 0.8, -0.6])
+        e = np.cos(0.4) * t + np.sin(0.4) * n
+        both = [
+            ps.drift(
+                [(radius + 1.3) * n], [e], radius=radius, dipole_strength=0.6, aspect_ratio=aspect_ratio,
+                hydrodynamics=kind,
+            ) for kind in ("near_wall", "image_dipole")
+        ]  # fmt: skip
+        return np.array([np.linalg.norm(near - full) for near, full in zip(*both, strict=True)])
+
+    # the next order is h/A: 1.3e-4 of the drift at 1e4
+    assert difference(1e4) == pytest.approx(0.1 * difference(1e3), rel=0.01)
+    assert np.all(difference(1e4) < 1e-4)

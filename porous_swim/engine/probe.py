@@ -9,9 +9,9 @@ import taichi as ti
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
 from porous_swim.physics.contact import HardContact, shape_of
-from porous_swim.physics.hydrodynamics import ImageDipole, NoHydrodynamics
+from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
 
-HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole}
+HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
 PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
 
 
@@ -77,7 +77,7 @@ def drift(
         radius: of the sphere, a; a number or (n,).
         dipole_strength: alpha.
         aspect_ratio: gamma in (0, 1].
-        hydrodynamics: `image_dipole` or `none`.
+        hydrodynamics: `image_dipole`, `near_wall` or `none`.
         precision: `f64` or `f32`.
 
     Returns:

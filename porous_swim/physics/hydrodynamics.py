@@ -63,4 +63,35 @@ class ImageDipole(Part):
         return drift
 
 
-Hydrodynamics = NoHydrodynamics | ImageDipole
+class NearWall(Part):
+    """The paper's reduced model: the image flow to leading order in height over radius, as if the wall were plane."""
+
+    kind: Literal["near_wall"] = "near_wall"
+
+    @staticmethod
+    @cache
+    def make_drift(real):
+        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
+
+        The velocity is that at a plane wall. The director's rate makes height and pitch obey, with nothing left out,
+        dh/dt = s - (3 alpha/(8 h^2)) (1 - 3 s^2) and
+        dtheta/dt = cos(theta)/A - (3 alpha/(64 h^3)) [4 + Gamma (3 - cos 2 theta)] sin 2 theta, whose 1/A stands for
+        the turn of the wall under a swimmer that moves along it; the sphere's own turn, v/(A + h), is taken off.
+        """
+
+        @ti.func
+        def drift(x, e, A, alpha, Gamma):
+            R = ti.sqrt(x.dot(x))
+            n = x / R
+            s, h = n.dot(e), R - A
+            q = s * s
+            k = real(0.375) * alpha / (h * h)
+            velocity = k * ((real(3.0) * q - real(1.0)) * n + real(2.0) * s * (e - s * n))
+            turn = real(1.0) / A - (real(1.0) + real(2.0) * k * s) / R
+            turn -= k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
+            return velocity, turn * (n - s * e)
+
+        return drift
+
+
+Hydrodynamics = NoHydrodynamics | ImageDipole | NearWall

@@ -33,6 +33,31 @@ def test_a_swimmer_escapes_two_thousandths_below_the_critical_radius_and_is_held
         assert encounter["end_censored"] is held, factor
 
 
+def test_an_elongated_swimmer_escapes_below_its_critical_radius_and_is_bound_above():
+    gamma, alpha = 0.7, 0.4
+    critical = ps.theory.critical_radius(alpha, gamma)
+    for factor, held in ((0.98, False), (1.02, True)):
+        radius = factor * critical
+        height = ps.contact_height([0.0], radius=radius, aspect_ratio=gamma)[0]
+        scene = one_swimmer(
+            radius, alpha, [0.0, radius + height], time_step=0.1, duration=400.0, integrator="located"
+        ).replace({"swimmers.aspect_ratio": gamma})  # fmt: skip
+        (encounter,) = ps.run(scene).encounters.to_pylist()
+        assert encounter["end_censored"] is held, factor
+
+
+def test_the_near_wall_model_holds_a_swimmer_from_its_own_critical_radius_on():
+    # at lift-off s = (3 alpha/8)(1 - 3 s^2) and at rest 1/A = (3 alpha/8) s: 3/2 below the improved closed form
+    critical = ps.theory.critical_radius(0.8, order="improved") - 1.5
+    for factor, held in ((0.998, False), (1.002, True)):
+        radius = factor * critical
+        scene = one_swimmer(
+            radius, 0.8, [0.0, radius + 1.0], time_step=0.1, duration=600.0, integrator="located"
+        ).replace({"hydrodynamics": {"kind": "near_wall"}})  # fmt: skip
+        (encounter,) = ps.run(scene).encounters.to_pylist()
+        assert encounter["end_censored"] is held, factor
+
+
 @pytest.mark.parametrize("radius", LISTED)
 def test_contact_release_and_outgoing_angle_are_the_listed_ones(radius):
     results = located(radius, 0.8, [-40.0, 0.1])
