@@ -80,7 +80,7 @@ def test_a_rod_touches_a_plane_with_its_support_height():
 @pytest.mark.parametrize(
     ("bad", "message"),
     [
-        (dict(hydrodynamics="images"), "expected one of none, image_dipole, found 'images'"),
+        (dict(hydrodynamics="images"), "expected one of none, image_dipole, near_wall, found 'images'"),
         (dict(precision="f16"), "expected f32 or f64, found 'f16'"),
     ],
 )
