@@ -147,6 +147,22 @@ def theory(
 
 
 @app.command()
+def reproduce(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Figures; all if none is named.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Reduced counts: all figures in minutes.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for data, pictures and the comparison.")] = Path("reproduce"),
+) -> None:
+    """Make the figures of Spagnolie et al., Soft Matter 11, 3396 (2015), again: data, pictures, ours against theirs."""
+    from porous_swim.paper.report import reproduce as make
+
+    n_agree, n_differ = make(names or [], out, quick=quick)
+    print(f"{n_agree} numbers agree, {n_differ} differ; the comparison is in {out / 'comparison.md'}")
+    raise typer.Exit(1 if n_differ else 0)
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of scene files, for editors."""
     import json
