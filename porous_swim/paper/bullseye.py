@@ -17,7 +17,7 @@ def reproduce(quick: bool) -> Reproduction:
     scene = paper_scene("bullseye")
     members = run_changes(scene, [{"obstacles.radius": radius} for radius in RADII])
     (critical,) = thresholds(
-        [15.0], [15.1], lambda _, A: scene.replace({"obstacles.radius": A, "run.duration": 600.0}), is_held, n_batches=3
+        [15.0], [15.1], lambda _, A: scene.replace({"obstacles.radius": A, "run.duration": 600.0}), is_held, n_batches=7
     )
     rows = [Row("critical radius from this start", critical, paper="about 15.1", independent=15.06103, digit=1e-5)]
     for radius, member in zip(RADII, members, strict=True):

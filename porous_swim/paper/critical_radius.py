@@ -19,11 +19,11 @@ TILT = 0.01  # rad off nose-on: whether it grows tells the stability of a puller
 
 def reproduce(quick: bool) -> Reproduction:
     """Swimmers in contact at radii ever nearer to the critical one."""
-    scene = paper_scene("capture")
+    scene = paper_scene("critical_radius")
     strengths = [*PUSHERS, *PULLERS]
     listed = np.array([*PUSHERS.values(), *PULLERS.values()])
     found = thresholds(
-        0.9 * listed, 1.1 * listed, lambda i, A: _contact(scene, strengths[i], A), _stays, n_batches=3 if quick else 4
+        0.9 * listed, 1.1 * listed, lambda i, A: _contact(scene, strengths[i], A), _stays, n_batches=6 if quick else 8
     )
     leading = [theory.critical_radius(alpha, order="leading") for alpha in strengths]
     rows = [
@@ -43,7 +43,7 @@ def reproduce(quick: bool) -> Reproduction:
             axis.loglog(size, leading_line, "--", label="leading")
             own = np.sign(columns["alpha"]) == sign
             axis.loglog(np.abs(columns["alpha"][own]), found[own], "ko", label="simulated")
-            axis.set(title=name, xlabel="|alpha|", ylabel="critical radius A_c/a")
+            axis.set(title=name, xlabel=r"$|\alpha|$", ylabel="critical radius $A_c/a$")
             axis.legend()
         return picture
 

@@ -82,11 +82,11 @@ def _write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
     np.savetxt(path, data, delimiter=",", header=",".join(columns), comments="", fmt="%.10g")
 
 
-def panels(n: int, *, width: float = 4.2, height: float = 3.4) -> tuple[Picture, list[Any]]:
-    """A picture with n panels side by side, at most three in a row, that needs no display."""
+def panels(n: int, *, in_line: int = 3, width: float = 4.2, height: float = 3.4) -> tuple[Picture, list[Any]]:
+    """A picture with n panels, `in_line` of them side by side, that needs no display."""
     from matplotlib.figure import Figure
 
-    n_columns = min(n, 3)
+    n_columns = min(n, in_line)
     n_lines = -(-n // n_columns)
     picture = Figure(figsize=(width * n_columns, height * n_lines), layout="constrained")
     axes = np.atleast_1d(picture.subplots(n_lines, n_columns)).ravel()

@@ -16,7 +16,8 @@ PITCHES = (0.0, 0.25 * np.pi, 0.5 * np.pi)
 
 def reproduce(quick: bool) -> Reproduction:
     """The flow in the plane of swimmer and colloid, and how well it sticks to the surface."""
-    alpha = paper_scene("bullseye").swimmers.dipole_strength
+    scene = paper_scene("flow_fields")
+    alpha = scene.swimmers.dipole_strength
     axis_points = np.linspace(-22.0, 22.0, 45 if quick else 111)
     X, Y = np.meshgrid(axis_points, axis_points)
     outside = (np.hypot(X, Y) > RADIUS * 1.001) & (np.hypot(X, Y - RADIUS - HEIGHT) > 1e-9)

@@ -9,6 +9,7 @@ import numpy as np
 from porous_swim.analysis import theory
 from porous_swim.paper.figure import Reproduction, Row, panels
 from porous_swim.paper.noise import Case, mean_of, trapping_times
+from porous_swim.paper.scan import paper_scene
 
 NAME = "ET_Theta"
 TITLE = "Mean trapping time E[T_theta] (alpha = 0.8) over radius and noise: estimate, integral, simulation to t = 100"
@@ -18,25 +19,27 @@ LISTED = {
     (20.0, 4e-3): (11.9, 0.14, 16.12), (20.0, 8e-3): (8.30, 0.11, 9.718), (20.0, 2e-2): (5.68, 0.09, 5.686),
     (5.0, 2e-3): (2.14, 0.01, 1.952), (50.0, 4e-3): (42.3, 0.6, 66.4), (100.0, 8e-3): (24.0, 0.4, 29.5),
 }  # fmt: skip
-HORIZON = 100.0
 
 
 def reproduce(quick: bool) -> Reproduction:
     """The listed pairs to their ends, and the grid of the figure to t = 100."""
     pairs = [Case(A, 0.8, D) for A, D in LISTED]
+    scene = paper_scene("mean_trapping")
+    to_end = {"swimmers.count": 150 if quick else 3000, "run.duration": 600.0, "record.every": 600.0}
     rows = []
     for (key, (value, error, integral)), times in zip(
-        LISTED.items(), trapping_times(pairs, count=150 if quick else 3000, duration=600.0), strict=True
+        LISTED.items(), trapping_times(scene.replace(to_end), pairs), strict=True
     ):
         ours, own_error = mean_of(times.pitch)
         text = f"A = {key[0]:g}, D = {key[1]:g}"
         rows.append(Row(f"{text}: E[T_theta]", ours, own_error, independent=value, independent_error=error))
         computed = theory.mean_trapping_time(0.8, key[0], 0.75 * key[1])
         rows.append(Row(f"{text}: integral", computed, independent=integral, digit=10.0 ** _last_digit(integral)))
+    horizon = scene.run.duration
     radii = np.linspace(5.0, 120.0, 8 if quick else 24)
     noises = np.geomspace(5e-4, 2e-2, 10 if quick else 30)
     grid = [Case(float(A), 0.8, float(D)) for A in radii for D in noises]
-    results = trapping_times(grid, count=10 if quick else 100, duration=HORIZON, time_step=0.005 if quick else 0.001)
+    results = trapping_times(scene.replace({"swimmers.count": 10, "run.time_step": 0.005} if quick else {}), grid)
     simulated = np.array([times.pitch.mean() for times in results])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the figure shows where the estimate fails
@@ -50,7 +53,7 @@ def reproduce(quick: bool) -> Reproduction:
     }  # fmt: skip
     n_runs, n_late = sum(len(times.pitch) for times in results), sum(times.n_no_pitch for times in results)
     notes = [
-        f"of the grid, {n_late} of {n_runs} swimmers had not passed the escape pitch by t = {HORIZON:g}; "
+        f"of the grid, {n_late} of {n_runs} swimmers had not passed the escape pitch by t = {horizon:g}; "
         "they count with that time, as in the paper"
     ]
 
@@ -58,8 +61,8 @@ def reproduce(quick: bool) -> Reproduction:
         picture, axes = panels(3)
         shape = (len(radii), len(noises))
         for axis, name in zip(axes, ("estimate", "integral", "simulated"), strict=True):
-            values = np.minimum(columns[name], HORIZON).reshape(shape).T
-            mesh = axis.pcolormesh(radii, noises, values, vmin=0.0, vmax=HORIZON, shading="nearest", rasterized=True)
+            values = np.minimum(columns[name], horizon).reshape(shape).T
+            mesh = axis.pcolormesh(radii, noises, values, vmin=0.0, vmax=horizon, shading="nearest", rasterized=True)
             axis.set(title=name, xlabel="A/a", ylabel="D", yscale="log")
             picture.colorbar(mesh, ax=axis, label="E[T_theta] U/a, up to 100")
         return picture

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from porous_swim.batch import Member
-from porous_swim.paper.scan import paper_scene, run_changes
+from porous_swim.paper.scan import run_changes
+from porous_swim.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,8 @@ class TrappingTimes:
     n_late: int  # swimmers whose pitch passed only after they had left
 
 
-def trapping_times(
-    cases: Sequence[Case], *, count: int, duration: float, time_step: float = 0.001
-) -> list[TrappingTimes]:
-    """Run `count` swimmers for each case, all in one batch."""
-    base = paper_scene("noise").replace(
-        {"swimmers.count": count, "run.duration": duration, "run.time_step": time_step, "record.every": duration}
-    )
+def trapping_times(scene: Scene, cases: Sequence[Case]) -> list[TrappingTimes]:
+    """Run a scene for each case, all in one batch."""
     changes = [
         {
             "obstacles.radius": case.radius, "swimmers.dipole_strength": case.alpha,
@@ -53,11 +49,11 @@ def trapping_times(
             },
         } for case in cases
     ]  # fmt: skip
-    return [_times(member, duration) for member in run_changes(base, changes)]
+    return [_times(member) for member in run_changes(scene, changes)]
 
 
-def _times(member: Member, duration: float) -> TrappingTimes:
-    rows, n = member.encounters, member.scene.swimmers.count
+def _times(member: Member) -> TrappingTimes:
+    rows, n, duration = member.encounters, member.scene.swimmers.count, member.scene.run.duration
     first = rows["start_time"] == 0.0
     height = np.full(n, duration)
     height[rows["swimmer"][first]] = rows["end_time"][first]

@@ -16,12 +16,10 @@ TOUCH = (0.995, 0.0005)  # at D = 2e-3; its error is a unit of the last digit gi
 
 def reproduce(quick: bool) -> Reproduction:
     """Which share is still near at the end, which share touched, and some ways."""
-    count = 1000 if quick else 10000
-    release = {"kind": "point", "position": [-40.0, 0.0, 0.0], "director": [1.0, 0.0, 0.0]}
-    base = paper_scene("noise").replace(
-        {"swimmers.count": count, "swimmers.release": release, "run.duration": 120.0,
-         "record": {"every": 2.0, "swimmers": count, "trails": 0}}
-    )  # fmt: skip
+    base = paper_scene("random_swimming")
+    if quick:
+        base = base.replace({"swimmers.count": 1000, "record.swimmers": 1000})
+    count = base.swimmers.count
     members = run_changes(base, [{"noise.translational_diffusion": D} for D in NEAR])
     rows, tables = [], {}
     for (D, (listed, error)), member in zip(NEAR.items(), members, strict=True):

@@ -12,7 +12,7 @@ from porous_swim.batch import Member, run_batch
 from porous_swim.scene import Scene, load_scene
 from porous_swim.templates import scenes_folder
 
-SECTIONS = 15  # trial values in a bracket, tried at once: a bracket shrinks 16-fold in a batch
+SECTIONS = 3  # trial values in a bracket, tried at once: a bracket shrinks 4-fold in a batch
 
 
 def paper_scene(name: str) -> Scene:
@@ -31,7 +31,7 @@ def thresholds(
 ) -> np.ndarray:  # fmt: skip
     """Where outcomes change (n,): `make(i, value)` is the scene of problem i, `beyond` whether a run is above it.
 
-    Each bracket [low, high] is cut into 16 parts in each of `n_batches` batches, so that it ends 16^-n_batches wide.
+    Each bracket [low, high] is cut into 4 parts in each of `n_batches` batches, so that it ends 4^-n_batches wide.
     """
     low_now, high_now = np.array(low, dtype=float), np.array(high, dtype=float)
     for _ in range(n_batches):

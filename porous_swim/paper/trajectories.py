@@ -17,10 +17,7 @@ CASES = (Case(20.0, 0.8, 0.002), Case(80.0, 0.4, 0.002))
 
 def reproduce_a(quick: bool) -> Reproduction:
     """h(t) and theta(t)."""
-    record = {"every": 0.05, "swimmers": 3, "trails": 0}
-    (member,) = run_changes(
-        paper_scene("noise").replace({"swimmers.count": 3, "run.duration": 40.0, "record": record}), [{}]
-    )
+    (member,) = run_changes(paper_scene("trajectories_a"), [{}])
     height, pitch = pitch_of(member, 20.0)
     table = {"time": member.time}
     for i in range(3):
@@ -34,7 +31,7 @@ def reproduce_a(quick: bool) -> Reproduction:
         axes[0].axhline(1.5, color="0.5", linestyle="--")
         axes[0].set(xlabel="t U/a", ylabel="h/a", ylim=(0.9, 4.0))
         axes[1].axhline(0.3, color="0.5", linestyle="--")
-        axes[1].set(xlabel="t U/a", ylabel="theta")
+        axes[1].set(xlabel="t U/a", ylabel=r"$\theta$")
         return picture
 
     return Reproduction({"ways": table}, [Row("least height over the ways", float(height.min()))], draw)
@@ -42,7 +39,7 @@ def reproduce_a(quick: bool) -> Reproduction:
 
 def reproduce_b(quick: bool) -> Reproduction:
     """Which of the two comes first, and how they go together."""
-    results = trapping_times(CASES, count=300 if quick else 4000, duration=150.0)
+    results = trapping_times(paper_scene("trajectories_b").replace({"swimmers.count": 300} if quick else {}), CASES)
     rows, tables = [], {}
     for case, times in zip(CASES, results, strict=True):
         n = len(times.height)

@@ -7,6 +7,7 @@ import numpy as np
 from porous_swim.analysis import theory
 from porous_swim.paper.figure import Reproduction, Row, panels
 from porous_swim.paper.noise import Case, mean_of, trapping_times
+from porous_swim.paper.scan import paper_scene
 
 NAME = "TrappingTimes"
 TITLE = "Trapping times from T_h with inverse-Gaussian densities of the same mean and deviation"
@@ -18,14 +19,14 @@ SETS = {
     Case(320.0, 0.2, 0.002): ("43.7/35.9/64.7", (9.27, 0.14), (32.66, 0.31)),
 }
 FITTED = (39.1, 25.2, 6.19, 44.2)  # T_h with a quarter of the translational and half of the rotational variance
-DURATION = 400.0
 
 
 def reproduce(quick: bool) -> Reproduction:
     """The four sets with standard noise, and with the amplitudes that fit the paper's means."""
     standard = list(SETS)
     fitted = [Case(case.radius, case.alpha, 0.25 * case.D, 0.375 * case.D) for case in standard]
-    results = trapping_times([*standard, *fitted], count=200 if quick else 4000, duration=DURATION)
+    scene = paper_scene("trapping").replace({"swimmers.count": 200} if quick else {})
+    results = trapping_times(scene, [*standard, *fitted])
     rows = []
     for case, times in zip(standard, results, strict=False):
         paper, pitch, height = SETS[case]
@@ -46,10 +47,11 @@ def reproduce(quick: bool) -> Reproduction:
         for case, times in zip(standard, results, strict=False)
     }
     held = sum(times.n_held for times in results)
-    notes = [f"{held} of {sum(len(times.height) for times in results)} swimmers were still held at t = {DURATION:g}"]
+    n_runs = sum(len(times.height) for times in results)
+    notes = [f"{held} of {n_runs} swimmers were still held at t = {scene.run.duration:g}"]
 
     def draw():
-        picture, axes = panels(4)
+        picture, axes = panels(4, in_line=2)
         for axis, case, times in zip(axes, standard, results, strict=False):
             axis.hist(times.height, bins=50, density=True, color="0.8", label="T_h")
             t = np.linspace(0.05, float(times.height.max()), 400)

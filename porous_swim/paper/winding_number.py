@@ -16,12 +16,10 @@ PER_DECADE = 0.1055
 
 def reproduce(quick: bool) -> Reproduction:
     """One batch over eps."""
-    scene = paper_scene("bullseye")
+    scene = paper_scene("winding_number")
     critical = theory.critical_radius(0.8)
     eps = np.unique([*LISTED, *np.geomspace(1e-4, 0.3, 8 if quick else 30)])
-    members = run_changes(
-        scene, [{"obstacles.radius": critical * (1.0 - float(e)), "run.duration": 400.0} for e in eps]
-    )
+    members = run_changes(scene, [{"obstacles.radius": critical * (1.0 - float(e))} for e in eps])
     turns = np.array([float(member.encounters["release_winding"][0]) for member in members])
     rows = [Row(f"W at eps = {e:g}", turns[eps == e][0], independent=value, digit=1e-4) for e, value in LISTED.items()]
     slope = float(turns[eps == 1e-4][0] - turns[eps == 1e-3][0])
@@ -30,7 +28,7 @@ def reproduce(quick: bool) -> Reproduction:
     def draw():
         picture, (axis,) = panels(1, width=5.0)
         axis.semilogx(eps, turns, "o-", markersize=4)
-        axis.set(xlabel="1 - A/A_c", ylabel="winding number W")
+        axis.set(xlabel="$1 - A/A_c$", ylabel="winding number W")
         return picture
 
     return Reproduction({"winding": {"eps": eps, "winding": turns}}, rows, draw)

@@ -25,6 +25,7 @@ class Mode(IntEnum):
 
 N_STAGES = DOP853.n_stages
 TOLERANCE = 1e-12  # of position (a) and director, in one step; the rounding of a position of 40 is 7e-15
+FINEST = 2.0**-50  # of the offset: far from the centre of a large colloid no step is exact to TOLERANCE
 
 
 def tableau() -> np.ndarray:
@@ -116,7 +117,8 @@ def make_stride(rate, real, dimensions: int):
         fifth, third = weighted(k, table, N_STAGES + 1), weighted(k, table, N_STAGES + 2)
         squared = fifth.dot(fifth)
         spread = ti.sqrt(squared + real(0.01) * third.dot(third)) + real(1e-300)
-        error = tau * squared / (spread * real(TOLERANCE))
+        tolerance = ti.max(real(TOLERANCE), real(FINEST) * ti.sqrt(x.dot(x)))
+        error = tau * squared / (spread * tolerance)
         return vector(y, 0), vector(y, dimensions), y[grip_row], y[distance_row], k[N_STAGES, grip_row], error
 
     return stride
