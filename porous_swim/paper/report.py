@@ -10,7 +10,7 @@ from pathlib import Path
 
 from porous_swim.errors import ResultsError, SceneError
 from porous_swim.paper import FIGURES
-from porous_swim.paper.figure import DIFFERS, HEADER, Reproduction
+from porous_swim.paper.figure import AGREES, DIFFERS, HEADER, REPORTED, Reproduction
 
 
 def chosen(names: Sequence[str]) -> list[str]:
@@ -56,7 +56,13 @@ def _write(folder: Path, made: dict[str, tuple[Reproduction, float]], *, quick: 
 
 
 def _page(made: dict[str, tuple[Reproduction, float]], *, quick: bool) -> str:
+    verdicts = [row.verdict for figure, _ in made.values() for row in figure.rows]
     lines = ["# Figures of Soft Matter 11, 3396 (2015), made again", ""]
+    lines += [
+        f"{verdicts.count(AGREES)} numbers agree with the independent value, {verdicts.count(DIFFERS)} differ, "
+        f"{verdicts.count(REPORTED)} have none. To agree means: without noise within 0.1 % or a unit of the last digit "
+        "known, with noise within 4 combined standard errors.", "",
+    ]  # fmt: skip
     lines += ["Reduced counts (`--quick`).", ""] if quick else []
     for name, (figure, seconds) in made.items():
         lines += [f"## {name}", "", FIGURES[name][0] + f". Made in {seconds:.0f} s.", "", f"![{name}]({name}.png)", ""]
