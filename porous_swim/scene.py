@@ -209,7 +209,7 @@ class Scene(Part):
             check_whole_steps("record.every", self.record.every, self.run.time_step)
         self.obstacles.check(self.domain)
         self.swimmers.release.check(self.domain)
-        self.encounter.check(self.swimmers.aspect_ratio)
+        self.encounter.check()
         if self.run.integrator == "located" and (isinstance(self.noise, Brownian) or self.run.precision == "f32"):
             raise KeyedError("run.integrator", "located is for runs without noise in f64: expected euler or auto")
         return self

@@ -107,7 +107,7 @@ def make_advance(structure: Structure):
     get, _ = make_vectors(dimensions)
     settle = make_settle(real, dimensions, contact_height, structure.shape == "sphere", located)
     orient = make_orient(real, dimensions, located)
-    encounters = make_encounters(real, dimensions, contact_height)
+    encounters = make_encounters(real, dimensions, contact_height, structure.shape == "sphere")
     load, store = make_lanes(real, dimensions, lanes)
     Reals, Ints = (
         ti.types.matrix(rows.n_lanes, lanes, real),

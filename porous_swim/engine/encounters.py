@@ -10,6 +10,7 @@ from porous_swim.engine.log import make_log
 from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import ivec3, make_between
+from porous_swim.physics.lift_off import make_lift_off_sine
 
 
 @cache
@@ -51,19 +52,12 @@ def make_orient(real, dimensions: int, located: bool):
 
 
 @cache
-def make_capture(real, dimensions: int, contact_height):
+def make_capture(real, dimensions: int, contact_height, sphere: bool):
     """Return `capture(f, n, j, i, swimmers, medium, rules, k, image)`, which opens an encounter with colloid k."""
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-
-    @ti.func
-    def lift_off_sine(A, alpha):
-        """Sine of the pitch at which a pusher in contact starts to leave: s + K (3 s^2 - 1) = 0, h = 1."""
-        R = A + real(1.0)
-        H = R + A
-        K = real(1.5) * alpha * A * R / (H * H)
-        return real(2.0) * K / (real(1.0) + ti.sqrt(real(1.0) + real(12.0) * K * K))
+    lift_off_sine = make_lift_off_sine(real, contact_height, sphere)
 
     @ti.func
     def count(i, swimmers: ti.template(), k, image):
@@ -94,8 +88,8 @@ def make_capture(real, dimensions: int, contact_height):
             f[row, j] = real(0.0)
         f[rows.min_height, j], f[rows.max_height, j] = h, h
         threshold = swimmers.law[swimmers.int[int(Int.SET), i], int(Law.ESCAPE_SINE)]
-        exact = lift_off_sine(medium.radius[k], f[rows.alpha, j])
-        threshold = ti.select(threshold < real(-1.0), exact, threshold)
+        if threshold < real(-1.0):
+            threshold = lift_off_sine(medium.radius[k], f[rows.alpha, j], f[rows.gamma, j])
         f[rows.escape_sine, j] = threshold
         touch = h <= contact_height(s, f[rows.gamma, j], medium.radius[k]) + rules.tolerance
         f[rows.release_sine, j], f[rows.release_winding, j] = s, real(0.0)
@@ -113,7 +107,7 @@ def make_capture(real, dimensions: int, contact_height):
 
 
 @cache
-def make_encounters(real, dimensions: int, contact_height):
+def make_encounters(real, dimensions: int, contact_height, sphere: bool):
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
@@ -121,7 +115,7 @@ def make_encounters(real, dimensions: int, contact_height):
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    capture = make_capture(real, dimensions, contact_height)
+    capture = make_capture(real, dimensions, contact_height, sphere)
     log_row = make_log(real, dimensions)
 
     @ti.func

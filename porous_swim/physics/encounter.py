@@ -18,7 +18,8 @@ class Encounter(Part):
     contact_band: Length = Field(default=0.05, ge=0.0)
     """A bound swimmer no higher than this above its contact height counts as in contact."""
     escape_pitch: Annotated[float, Field(gt=0.0)] | Literal["leading", "exact"] = "leading"
-    """Pitch whose first passage is timed: `leading` 3 alpha/(8 gamma^2), `exact` at lift-off, or radians."""
+    """Pitch whose first passage is timed: `leading` 3 alpha/(8 gamma^2), `exact` that of lift-off from each colloid, at
+    which dh/dt = 0 in contact, or radians."""
 
     def escape_sine(self, dipole_strength: float, aspect_ratio: float) -> float:
         """Sine of the pitch that is timed: 2 where there is none, -2 for the lift-off pitch of each colloid.
@@ -32,12 +33,8 @@ class Encounter(Part):
             pitch = 3.0 * dipole_strength / (8.0 * aspect_ratio**2)
         return sin(pitch) if 0.0 <= pitch < 0.5 * pi else 2.0
 
-    def check(self, aspect_ratio: float) -> None:
-        """Raise a `KeyedError` where a swimmer in contact has escaped, or a rod is asked for a lift-off pitch."""
+    def check(self) -> None:
+        """Raise a `KeyedError` where a swimmer in contact has escaped."""
         if self.escape_height <= 1.0 + self.contact_band:  # 1: the contact height of every shape on its tip
             message = f"expected more than 1 + contact_band = {1.0 + self.contact_band:g}, found {self.escape_height:g}"
             raise KeyedError("encounter.escape_height", f"{message}: a swimmer in contact must not have escaped")
-        if self.escape_pitch == "exact" and aspect_ratio < 1.0:
-            raise KeyedError(
-                "encounter.escape_pitch", "exact is for spheres (aspect_ratio 1): expected leading or a number"
-            )

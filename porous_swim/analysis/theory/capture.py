@@ -23,6 +23,9 @@ def critical_radius(dipole_strength: float, aspect_ratio: float = 1.0, *, order:
     8/(3 |alpha| (1 + Gamma)) for pullers. `improved`, for spherical pushers, is 8/(3 alpha s) + 3/2 with s the sine of
     the pitch of lift-off at a plane: within 0.17 % for alpha <= 1, 10 % high at 4. Infinite at alpha = 0.
 
+    Weak pushers thinner than gamma = 1/3 can rest at smaller radii already, below an unstable pitch that is itself
+    below lift-off: from 0.987 A_c on at gamma = 0.25, alpha = 0.1, and 0.88 A_c at gamma = 0.15.
+
     Raises:
         ValueError: an argument outside of its range; no sphere of radius above 1e-3 lets the swimmer go.
     """
