@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
 
 from porous_swim.document import Document, KeyPath, frozen, plain, read_document
 from porous_swim.obstacles.domain import Domain
@@ -18,6 +18,7 @@ from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
 from porous_swim.physics.noise import Brownian, NoNoise
+from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.scene_errors import scene_error
 from porous_swim.scene_identity import resolved, save, scene_hash
 from porous_swim.scene_warnings import warnings_of
@@ -169,8 +170,7 @@ class Scene(Part):
         """D_r in U/a; 0 without noise."""
         if not isinstance(self.noise, Brownian):
             return 0.0
-        D_r = self.noise.rotational_diffusion
-        return 0.75 * self.noise.translational_diffusion if isinstance(D_r, str) else D_r
+        return self.noise.turning(self.swimmers.aspect_ratio, self.domain.dimensions)
 
     @property
     def bretherton(self) -> float:
@@ -201,6 +201,17 @@ class Scene(Part):
             return data
         boundary = "open" if obstacles.get("layout") in OPEN_BY_DEFAULT else "periodic"
         return {**data, "domain": {**domain, "boundary": boundary}}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _thermal_noise_is_that_of_the_shape(cls, data: Any, handler: ModelWrapValidatorHandler[Scene]) -> Scene:
+        scene = handler(data)
+        given = data.get("noise")
+        if not isinstance(given, dict) or given.get("translational_diffusion") != "thermal":
+            return scene
+        mean = spheroid_diffusion(scene.swimmers.aspect_ratio).mean(scene.domain.dimensions)
+        noise = scene.noise.model_copy(update={"translational_diffusion": mean * scene.translational_diffusion})
+        return scene.model_copy(update={"noise": noise})
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Scene:

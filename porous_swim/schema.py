@@ -22,8 +22,8 @@ _HEADER = """# The scene file
 
 A scene is a YAML 1.2 file: a map of the sections below. Numbers are dimensionless, in swimmer half-lengths a,
 swimming speeds U and times a/U. With a `units` section a number that has a unit may also be a string such as
-`10 um`, `0.5 s` or `0.19 rad^2/s`, and a diffusivity may be `thermal`, kT/(6 pi mu a). Unknown and duplicate
-keys are errors; so are anchors, aliases and tags.
+`10 um`, `0.5 s` or `0.19 rad^2/s`, and a diffusivity may be `thermal`, for a sphere kT/(6 pi mu a). Unknown and
+duplicate keys are errors; so are anchors, aliases and tags.
 """
 
 

@@ -148,7 +148,7 @@ class UnitSystem:
     def number(self, text: str, dimension: str) -> float:
         """Return a string with units as a number in a, U and a/U; `dimension` as in this module's table.
 
-        A diffusivity may be `thermal`, kT/(6 pi mu a). A dipole p becomes alpha = p/(8 pi mu U a^2).
+        A diffusivity may be `thermal`, kT/(6 pi mu a) whatever the shape. A dipole p becomes alpha = p/(8 pi mu U a^2).
         """
         if dimension == "diffusivity" and text == "thermal":
             return self.thermal_diffusion()

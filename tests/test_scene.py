@@ -79,8 +79,8 @@ def complaint(tmp_path: Path, text: str) -> str:
          "need a `units` "
          "section), found '1 um^2/s'"),
         ("0.006", "1, rotational_diffusion: from_spere", "6:75: noise.rotational_diffusion: expected a "
-         "number or "
-         "`from_sphere`, found 'from_spere'; did you mean `from_sphere`?"),
+         "number, `from_sphere` or "
+         "`from_spheroid`, found 'from_spere'; did you mean `from_sphere`?"),
         ("duration: 2", "duration: 2.0004", "7:35: run.duration: 2.0004 is not a whole number of steps of "
          "0.001: the nearest "
          "is 2"),

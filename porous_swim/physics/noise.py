@@ -13,6 +13,7 @@ import taichi as ti
 from pydantic import Field
 
 from porous_swim.parts import Diffusivity, Part, RotationalDiffusivity
+from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.physics.philox import philox
 from porous_swim.physics.variates import gaussian_pair, split, uniform
 
@@ -34,11 +35,23 @@ class Brownian(Part):
 
     kind: Literal["brownian"] = "brownian"
     translational_diffusion: Diffusivity = Field(ge=0.0)
-    """D. With `units`, `thermal` means kT/(6 pi viscosity a)."""
-    rotational_diffusion: Annotated[RotationalDiffusivity, Field(ge=0.0)] | Literal["from_sphere"] = "from_sphere"
-    """D_r. `from_sphere` means 3 D/4, that of a sphere of radius a."""
+    """D, the same in all directions: of a spheroid the mean over its orientations, in 2-D over those in the plane.
+    With `units`, `thermal` means kT/(6 pi viscosity a), for a spheroid times the mean of Perrin's factors."""
+    rotational_diffusion: Annotated[RotationalDiffusivity, Field(ge=0.0)] | Literal["from_sphere", "from_spheroid"] = (
+        "from_sphere"
+    )
+    """D_r. `from_sphere` means 3 D/4, that of a sphere of radius a; `from_spheroid` that of a spheroid of the
+    swimmers' aspect ratio whose mean D this is (Perrin 1934)."""
     variates: Literal["gaussian", "uniform"] = "gaussian"
     """Distribution of a single step's increments: `uniform` is faster and has the same mean and variance."""
+
+    def turning(self, aspect_ratio: float, dimensions: int) -> float:
+        """D_r, U/a, of a swimmer of `aspect_ratio`; `from_spheroid`: D_r/D of one passive body (see `perrin`)."""
+        D, D_r = self.translational_diffusion, self.rotational_diffusion
+        if D_r == "from_spheroid":
+            factors = spheroid_diffusion(aspect_ratio)
+            return 0.75 * D * factors.turning / factors.mean(dimensions)
+        return 0.75 * D if D_r == "from_sphere" else D_r
 
 
 Noise = NoNoise | Brownian
