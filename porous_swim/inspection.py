@@ -10,9 +10,15 @@ from porous_swim.analysis.theory import critical_radius
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.scene import Scene
 
-NANOSECONDS = {"f32": 30.0, "f64": 60.0}  # a swimmer-step on one core of a present-day CPU, within a factor of two
+# A swimmer-step on one core of a present-day CPU, measured in a crystal, within a factor of two.
+NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
+    ("euler", "f32"): {"sphere": 23.0, "rod": 55.0, "needle": 170.0},
+    ("euler", "f64"): {"sphere": 45.0, "rod": 130.0, "needle": 350.0},
+    ("located", "f64"): {"sphere": 900.0, "rod": 4600.0, "needle": 15000.0},
+}
 BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device
 
 
@@ -28,7 +34,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     if scene.description:
         rows.append(("", scene.description))
     rows += [("swimmers", _swimmers(scene)), ("noise", _noise(scene)), ("colloids", _colloids(field))]
-    rows += [*_critical(scene, field.radii), *_units(scene), *_costs(scene)]
+    rows += [*_critical(scene, field.radii), *_units(scene), *_costs(scene, field)]
     return rows + [("warning", text) for text in scene.warnings(field)]
 
 
@@ -62,9 +68,10 @@ def _units(scene: Scene) -> list[tuple[str, str]]:
     return [("units", f"a = {units.length:g} um, U = {units.speed:g} um/s, a/U = {units.time:g} s")]
 
 
-def _costs(scene: Scene) -> list[tuple[str, str]]:
+def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     n, steps = scene.swimmers.count, scene.n_steps
-    seconds = n * steps * NANOSECONDS[scene.precision] * 1e-9
+    shape = shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
+    seconds = n * steps * NANOSECONDS[scene.integrator, scene.precision][shape] * 1e-9
     frames = steps // scene.record_period + 1
     size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
     end = f"{scene.run.duration:g} a/U"
