@@ -100,3 +100,31 @@ def test_a_scene_may_ask_rods_for_the_exact_escape_pitch(alpha, sine):
     )
     # -2: by the colloid's radius; a puller in contact is drawn in, never lifts off and has none
     assert scene.encounter.escape_sine(alpha, 0.4) == sine
+
+
+def pitch_rates(pitch, radius, alpha, gamma):
+    """dtheta/dt (n,) in contact, from the probed drift: the turn of the director and that of the normal."""
+    distance = radius + ps.contact_height(pitch, radius=radius, aspect_ratio=gamma)
+    s, c, zero = np.sin(pitch), np.cos(pitch), np.zeros_like(pitch)
+    velocity, rate = ps.drift(
+        distance[:, None] * [1.0, 0.0, 0.0], np.stack([s, c, zero], axis=1),
+        radius=radius, dipole_strength=alpha, aspect_ratio=gamma,
+    )  # fmt: skip
+    return c * rate[:, 0] - s * rate[:, 1] + velocity[:, 1] / distance
+
+
+@pytest.mark.parametrize(("alpha", "gamma"), [(0.8, 1.0), (0.4, 0.5), (0.1, 0.25)])
+def test_at_the_critical_radius_the_lift_off_is_a_pitch_at_rest(alpha, gamma):
+    radius = ps.theory.critical_radius(alpha, gamma)
+    pitch = np.arcsin(lift_off_sines([radius], alpha, gamma))
+    # the root's 1e-12 and rounding of rho - A^2, against a rate of 1/A for the swimmer without a dipole
+    assert pitch_rates(pitch, radius, alpha, gamma) == pytest.approx([0.0], abs=1e-11 / radius)
+
+
+@pytest.mark.parametrize(("share", "n_rests"), [(0.98, 0), (0.993, 2), (1.01, 1)])
+def test_a_thin_rod_may_rest_below_lift_off_at_less_than_the_critical_radius(share, n_rests):
+    # gamma 0.25, alpha 0.1: from 0.987 A_c on a stable pitch, and an unstable one that passes the lift-off at A_c
+    alpha, gamma = 0.1, 0.25
+    radius = share * ps.theory.critical_radius(alpha, gamma)
+    pitch = np.linspace(1e-3, float(np.arcsin(lift_off_sines([radius], alpha, gamma))[0]), 2000)
+    assert np.count_nonzero(np.diff(np.sign(pitch_rates(pitch, radius, alpha, gamma)))) == n_rests
