@@ -128,7 +128,9 @@ def new(
 def theory(
     dipole_strength: Annotated[float, typer.Option(help="alpha: above 0 a pusher, below 0 a puller.")],
     aspect_ratio: Annotated[float, typer.Option(help="gamma, minor over major axis; 1 is a sphere.")] = 1.0,
-    radius: Annotated[float | None, typer.Option(help="A, of the colloid, in swimmer half-lengths.")] = None,
+    radius: Annotated[
+        float | None, typer.Option(help="A, of the colloid, in swimmer half-lengths; inf is a plane wall.")
+    ] = None,
     diffusion: Annotated[float | None, typer.Option(help="D in a U, with D_r = 3 D/4; needs --radius.")] = None,
     json_: Annotated[bool, typer.Option("--json", help="For machines.")] = False,
 ) -> None:

@@ -10,14 +10,15 @@ from porous_swim.analysis.theory import critical_radius
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.wall import WallField
 from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.scene import Scene
 
 # A swimmer-step on one core of a present-day CPU, measured in a crystal, within a factor of two.
 NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
-    ("euler", "f32"): {"sphere": 23.0, "rod": 55.0, "needle": 170.0},
-    ("euler", "f64"): {"sphere": 45.0, "rod": 130.0, "needle": 350.0},
-    ("located", "f64"): {"sphere": 900.0, "rod": 4600.0, "needle": 15000.0},
+    ("euler", "f32"): {"sphere": 23.0, "flat": 23.0, "rod": 55.0, "needle": 170.0},
+    ("euler", "f64"): {"sphere": 45.0, "flat": 45.0, "rod": 130.0, "needle": 350.0},
+    ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
 }
 BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device
 
@@ -55,6 +56,9 @@ def _noise(scene: Scene) -> str:
 def _colloids(field: ObstacleField) -> str:
     if len(field.radii) == 0:
         return f"none, in {field.dimensions} dimensions"
+    if isinstance(field, WallField):
+        point, normal = ("(" + ", ".join(f"{x:g}" for x in v) + ")" for v in (field.centers[0], field.normal))
+        return f"a plane wall through {point} with normal {normal}, in {field.dimensions} dimensions"
     edges = " x ".join(f"{edge:g}" for edge in field.box if edge > 0.0)
     place = f"a periodic box of {edges} a" if edges else "open space"
     kind = "area" if field.dimensions == 2 else "volume"
@@ -89,6 +93,8 @@ def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
     """A/A_c for the radii of the field: a lone colloid captures for good, without noise, above 1."""
     if len(radii) == 0 or scene.hydrodynamics.kind == "none":
         return []
+    if np.isinf(radii[0]):
+        return [("A/A_c", "infinite: without noise a plane wall keeps every swimmer that comes to touch it")]
     try:
         A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio)
     except ValueError:

@@ -158,7 +158,7 @@ class Beam(Part):
 
 
 class Parallel(Part):
-    """Starts uniform around one colloid at one height, directors along its surface and otherwise random."""
+    """Starts uniform around one colloid (over one point of a wall) at one height, directors along it, else random."""
 
     kind: Literal["parallel"]
     height: Annotated[Length, Field(gt=0.0)]
@@ -183,14 +183,14 @@ class Parallel(Part):
             message = f"expected the index of one of {len(field.radii)} colloids, found {self.colloid}"
             raise KeyedError(f"{_KEY}.colloid", message)
         places, headings = rng.spawn(2)
-        normal = random_directors(places, count, field.dimensions)
+        facing = random_directors(places, count, field.dimensions)
+        position, normal = field.above(self.colloid, facing, self.height)
         first, second = frame_of(normal)
         u = headings.random((count, 1))
         if field.dimensions == 2:
             director = np.where(u < 0.5, first, -first)
         else:
             director = np.cos(2.0 * np.pi * u) * first + np.sin(2.0 * np.pi * u) * second
-        position = field.centers[self.colloid] + (field.radii[self.colloid] + self.height) * normal
         return checked_swimmers(position, director, field=field, contact_height=contact_height, key=f"{_KEY}.height")
 
 

@@ -28,6 +28,7 @@ def _columns(names: str, type_: pa.DataType, unit: str = "", *, nullable: bool =
 
 _INDEX, _COUNT, _FLAG, _REAL = pa.int32(), pa.int64(), pa.bool_(), pa.float64()
 
+# of a plane wall: a point of it, and an infinite radius; its normal is in scene.yaml
 COLLOIDS_SCHEMA = pa.schema([*_columns("colloid", _INDEX), *_columns("x y z radius", _REAL, "a")])
 ENCOUNTERS_SCHEMA = pa.schema(
     [
@@ -36,7 +37,7 @@ ENCOUNTERS_SCHEMA = pa.schema(
         *_columns("start_censored end_censored", _FLAG),
         *_columns("contact_time", _REAL, "a/U"),
         *_columns("wall_push", _REAL, "a"),
-        *_columns("winding", _REAL, "turns"),
+        *_columns("winding", _REAL, "turns"),  # 0 at a plane wall, around which nobody winds
         *_columns("signed_winding", _REAL, "turns", nullable=True),  # null in three dimensions
         *_columns("entry_x entry_y entry_z exit_x exit_y exit_z", _REAL, "a"),  # unwrapped
         *_columns("entry_ex entry_ey entry_ez exit_ex exit_ey exit_ez", _REAL),

@@ -53,7 +53,7 @@ class Scene(Part):
     noise: Annotated[NoNoise | Brownian, Field(discriminator="kind")] = NoNoise()
     """Random motion of the swimmers."""
     obstacles: Layout
-    """The colloids."""
+    """The colloids, or a plane wall."""
     domain: Domain = Domain()
     """The space that holds colloids and swimmers."""
     encounter: Encounter = Encounter()

@@ -36,10 +36,9 @@ def shortfall(
     lack = np.full(len(position), -np.inf)
     blame = np.full(len(position), -1, dtype=np.int64)
     point, colloid, offset = field.near(position, HIGHEST_CONTACT)
-    distance = np.linalg.norm(offset, axis=1)
-    sine = np.einsum("ij,ij->i", director[point], offset) / np.where(distance > 0.0, distance, 1.0)
+    height, sine = field.stance(offset, director[point], colloid)
     least = contact_height(np.clip(sine, -1.0, 1.0), field.radii[colloid])
-    lacking = least - (distance - field.radii[colloid])
+    lacking = least - height
     order = np.argsort(lacking, kind="stable")  # so that the worst colloid is written last
     lack[point[order]], blame[point[order]] = lacking[order], colloid[order]
     return lack, blame
@@ -58,11 +57,10 @@ def checked_swimmers(
     if np.any(lack > _ROUNDING):
         i = int(np.argmax(lack > _ROUNDING))
         place = ", ".join(f"{x:.6g}" for x in position[i])
-        radius = field.radii[blame[i]]
         raise KeyedError(
             key,
-            f"swimmer {i} at ({place}) lies {lack[i]:.6g} too near to colloid {blame[i]} of radius "
-            f"{radius:g}: expected at least the contact height above its surface",
+            f"swimmer {i} at ({place}) lies {lack[i]:.6g} too near to {field.name(int(blame[i]))}: "
+            f"expected at least the contact height above its surface",
         )
     return Swimmers(position, director)
 

@@ -90,6 +90,8 @@ def _capture(alpha: float, gamma: float, A: float | None) -> Iterator[Prediction
 
 def _sliding(alpha: float, gamma: float, A: float) -> Iterator[Prediction]:
     yield _try("sliding time from pitch 0", "near wall", "a/U", lambda: theory.sliding_time(alpha, A, gamma))
+    if math.isinf(A):  # around a plane wall nobody winds, and past it nobody swims
+        return
     yield _try("winding from pitch 0", "near wall", "turns", lambda: theory.winding(alpha, A, gamma))
     if gamma == 1.0:
         for share in (0.25, 0.5, 1.0):

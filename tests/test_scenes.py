@@ -15,7 +15,7 @@ from porous_swim.results import Results
 
 N_STEPS, N_FRAMES, COUNT, RECORDED = 400, 5, 48, 20
 NAMES = {
-    "crystal", "crystal_thermal", "takagi", "single_colloid", "bullseye", "lattice_3d", "packing", "beads",
+    "crystal", "crystal_thermal", "takagi", "single_colloid", "wall", "bullseye", "lattice_3d", "packing", "beads",
     "free_space",
 }  # fmt: skip
 # Contact scales an offset of length R = A + 1 to the surface in single precision: the factor, each component and the
@@ -32,7 +32,7 @@ def shortened(path: Path) -> ps.Scene:
             "swimmers.count": min(COUNT, scene.swimmers.count),
             "record": {"every": N_STEPS // (N_FRAMES - 1) * dt, "swimmers": RECORDED, "trails": 5},
         }
-        | ({"swimmers.release": {"kind": "parallel", "height": 1.0}} if path.stem == "single_colloid" else {})
+        | ({"swimmers.release": {"kind": "parallel", "height": 1.0}} if path.stem in ("single_colloid", "wall") else {})
     )
 
 
@@ -80,15 +80,17 @@ def test_recorded_swimmers_keep_their_contact_height_above_every_colloid(run):
         if edge > 0.0:
             offset[..., axis] -= edge * np.round(offset[..., axis] / edge)
     R = np.linalg.norm(offset, axis=2)
-    sine = np.einsum("ijk,ik->ij", offset, director) / R
+    height, sine = R - radii, np.einsum("ijk,ik->ij", offset, director) / R
+    if scene.name == "wall":  # whose normal is along z
+        height, sine = offset[..., 2], director[:, 2:]
     gamma = scene.swimmers.aspect_ratio
-    near = R - radii < 2.0
+    near = height < 2.0
     contact = np.ones(R.shape)  # of spheres, and of rods on their tips
     contact[near] = ps.contact_height(
         np.arcsin(sine[near]), radius=np.broadcast_to(radii, R.shape)[near], aspect_ratio=gamma
     )
     # in free space there is nothing to keep away from, and `all` of nothing holds
-    assert np.all(R - radii - contact > -np.maximum(BELOW_CONTACT, ROUNDING * R))
+    assert np.all(height - contact > -np.maximum(BELOW_CONTACT, ROUNDING * R))
     if results.info.dimensions == 2:
         assert np.all(position[:, 2] == 0.0)
 

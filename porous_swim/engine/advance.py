@@ -19,6 +19,7 @@ from porous_swim.obstacles.search import Medium
 from porous_swim.physics.contact import HardContact, Shape
 from porous_swim.physics.euler import make_euler
 from porous_swim.physics.located import make_motion
+from porous_swim.physics.surface import Surface, make_surface
 
 
 @dataclass(frozen=True)
@@ -32,25 +33,22 @@ class Structure:
     real: Any  # ti.f32 or ti.f64
     lanes: int
     integrator: str = "euler"  # or "located"
+    surface: Surface = "sphere"  # of the obstacles
 
 
 @cache
 def make_mover(structure: Structure):
     """Return `step(f, n, j, i, swimmers, medium, rules, n_steps)` of the structure's integrator."""
     real, dimensions = structure.real, structure.dimensions
-    drift = structure.hydrodynamics.make_drift(real)
+    drift = structure.hydrodynamics.make_drift(real, structure.surface)
     contact_height = HardContact.make_height(real, structure.shape)
+    sphere, surface = structure.shape == "sphere", structure.surface
     if structure.integrator == "located":
         height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
-        rate = make_motion(drift, real, dimensions, height_and_slope)
-        return make_locate(real, dimensions, rate, height_and_slope, contact_height, structure.shape == "sphere")
-    return make_step(
-        real,
-        dimensions,
-        make_euler(drift, real, dimensions, structure.variates),
-        contact_height,
-        structure.shape == "sphere",
-    )
+        rate = make_motion(drift, real, height_and_slope, surface)
+        return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
+    integrate = make_euler(drift, real, dimensions, structure.variates)
+    return make_step(real, dimensions, integrate, contact_height, sphere, surface)
 
 
 @cache
@@ -101,13 +99,14 @@ def make_advance(structure: Structure):
     real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
     rows = real_rows(dimensions)
     contact_height = HardContact.make_height(real, structure.shape)
-    located = structure.integrator == "located"
+    located, surface = structure.integrator == "located", structure.surface
     step = make_mover(structure)
-    book = make_book(real, dimensions, located)
+    book = make_book(real, dimensions, surface, located)
     get, _ = make_vectors(dimensions)
-    settle = make_settle(real, dimensions, contact_height, structure.shape == "sphere", located)
+    settle = make_settle(real, dimensions, contact_height, structure.shape == "sphere", surface, located)
     orient = make_orient(real, dimensions, located)
-    encounters = make_encounters(real, dimensions, contact_height, structure.shape == "sphere")
+    encounters = make_encounters(real, dimensions, contact_height, structure.shape == "sphere", surface)
+    to = make_surface(real, surface)
     load, store = make_lanes(real, dimensions, lanes)
     Reals, Ints = (
         ti.types.matrix(rows.n_lanes, lanes, real),
@@ -134,7 +133,7 @@ def make_advance(structure: Structure):
         if n[Int.EVENT, j] & int(Event.HALT) == 0:
             if event & int(Event.FINISH):
                 r = get(f, rows.trial_x, j) + get(f, rows.bound_offset, j)
-                s = r.dot(get(f, rows.trial_e, j)) / ti.sqrt(r.dot(r))
+                s = to.sine(r, get(f, rows.trial_e, j), to.distance(r))
                 book(f, n, j, True, rules, contact_height(s, f[rows.gamma, j], f[rows.bound_A, j]))
             if event & int(Event.LOCATE):
                 touch = (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)

@@ -10,6 +10,7 @@ import taichi as ti
 
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.physics.rounding import rounded
+from porous_swim.physics.surface import Surface, make_surface
 
 TWO_PI = 6.283185307179586
 
@@ -76,7 +77,18 @@ def make_swept(real, dimensions: int):
 
 
 @cache
-def make_book(real, dimensions: int, located: bool = False):
+def make_unwound(real):
+    """Return `unwound(r0, r1, e)` in place of `turns` at a plane wall, around which nobody winds."""
+
+    @ti.func
+    def unwound(r0, r1, e):
+        return real(0.0), real(0.0)
+
+    return unwound
+
+
+@cache
+def make_book(real, dimensions: int, surface: Surface, located: bool = False):
     """Return `book(f, n, j, on, rules, least)`, which commits the trial move of lane j where `on`.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
@@ -85,6 +97,9 @@ def make_book(real, dimensions: int, located: bool = False):
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
     turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
+    if surface == "plane":
+        turns = make_unwound(real)
+    to = make_surface(real, surface)
 
     @ti.func
     def tick(f: ti.template(), n: ti.template(), j, on):
@@ -142,8 +157,8 @@ def make_book(real, dimensions: int, located: bool = False):
         x0, e0, offset = get(f, rows.x, j), get(f, rows.e, j), get(f, rows.bound_offset, j)
         x1, e1 = get(f, rows.trial_x, j), get(f, rows.trial_e, j)
         r0, r1 = x0 + offset, x1 + offset
-        R = ti.sqrt(r1.dot(r1))
-        s = r1.dot(e1) / R
+        R = to.distance(r1)
+        s = to.sine(r1, e1, R)
         bound = on & (n[Int.PHASE, j] == int(Phase.BOUND))
         h = record(f, n, j, bound, rules, least, r0, r1, e0, R, s)
         touch = on & (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)

@@ -11,6 +11,7 @@ from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Tota
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import ivec3, make_between
 from porous_swim.physics.lift_off import make_lift_off_sine
+from porous_swim.physics.surface import Surface, make_surface
 
 
 @cache
@@ -52,12 +53,13 @@ def make_orient(real, dimensions: int, located: bool):
 
 
 @cache
-def make_capture(real, dimensions: int, contact_height, sphere: bool):
+def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
     """Return `capture(f, n, j, i, swimmers, medium, rules, k, image)`, which opens an encounter with colloid k."""
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    lift_off_sine = make_lift_off_sine(real, contact_height, sphere)
+    lift_off_sine = make_lift_off_sine(real, contact_height, sphere, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def count(i, swimmers: ti.template(), k, image):
@@ -79,8 +81,8 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool):
         nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
         r = get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)
         e = get(f, rows.e, j)
-        R = ti.sqrt(r.dot(r))
-        s, h = r.dot(e) / R, R - medium.radius[k]
+        R = to.distance(r)
+        s, h = to.sine(r, e, R), R - medium.radius[k]
         for d in ti.static(range(dimensions)):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
@@ -107,7 +109,7 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool):
 
 
 @cache
-def make_encounters(real, dimensions: int, contact_height, sphere: bool):
+def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
@@ -115,7 +117,8 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool):
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    capture = make_capture(real, dimensions, contact_height, sphere)
+    capture = make_capture(real, dimensions, contact_height, sphere, surface)
+    to = make_surface(real, surface)
     log_row = make_log(real, dimensions)
 
     @ti.func
@@ -126,7 +129,7 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool):
         if t >= 0:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             r = get(f, rows.x, j) + between(medium, t, image_t, k, image)
-            near = ti.sqrt(r.dot(r)) - medium.radius[t] <= reach
+            near = to.distance(r) - medium.radius[t] <= reach
         return near
 
     @ti.func

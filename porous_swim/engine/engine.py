@@ -143,9 +143,11 @@ class Engine:
         self, hydrodynamics: type, variates: str | None, precision: str, integrator: str, shape: Shape
     ) -> None:
         real = {"f32": ti.f32, "f64": ti.f64}[precision]
-        self._advance = make_advance(
-            Structure(hydrodynamics, variates, shape, self._field.dimensions, real, self.lanes, integrator)
-        )
+        field = self._field
+        structure = Structure(
+            hydrodynamics, variates, shape, field.dimensions, real, self.lanes, integrator, field.surface
+        )  # fmt: skip
+        self._advance = make_advance(structure)
         table = tableau() if integrator == "located" else np.zeros((1, 1))
         self._tableau = on_device(table.astype(self._real))
 

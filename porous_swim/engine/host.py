@@ -21,8 +21,8 @@ class Snapshot:
     image: np.ndarray  # (n, 3) int32, periodic image of that colloid
     bound: np.ndarray  # (n,) bool, in an encounter
     height: np.ndarray  # (n,) float64, a, above the colloid of the encounter, else above the nearest
-    pitch_sine: np.ndarray  # (n,) float64, of the pitch there
-    radius: np.ndarray  # (n,) float64, a, of that colloid; infinite in an empty field
+    pitch_sine: np.ndarray  # (n,) float64, of the pitch there; 0 in an empty field
+    radius: np.ndarray  # (n,) float64, a, of that colloid; infinite at a wall and in an empty field
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class HostState:
         state.int[Int.COLLOID], state.int[Int.IMAGE : Int.IMAGE + 3] = np.maximum(colloid, 0), image.T
         state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.MATE] = -1, -1, -1
         state.int[Int.EVENT], state.int[Int.SET] = int(Event.LOCATE), law_of
-        offset = position - state._center(Int.COLLOID, Int.IMAGE)
+        offset, director = ((position - state._center(Int.COLLOID, Int.IMAGE)) @ field.axes.T, director @ field.axes.T)
         state.real[rows.x : rows.x + d] = offset.T[:d]
         state.real[rows.rest : rows.rest + d] = offset.T[:d] - state.real[rows.x : rows.x + d].astype(np.float64)
         state.real[rows.e : rows.e + d] = director.T[:d]
@@ -59,20 +59,23 @@ class HostState:
     def snapshot(self) -> Snapshot:
         """Where all swimmers are, in absolute terms."""
         rows, d = real_rows(self.field.dimensions), self.field.dimensions
-        position, director = self._center(Int.COLLOID, Int.IMAGE), np.zeros((self.int.shape[1], 3))
-        position[:, :d] += self.real[rows.x : rows.x + d].T.astype(np.float64) + self.real[rows.rest : rows.rest + d].T
+        offset, director = np.zeros((2, self.int.shape[1], 3))
+        offset[:, :d] = self.real[rows.x : rows.x + d].T.astype(np.float64) + self.real[rows.rest : rows.rest + d].T
         director[:, :d] = self.real[rows.e : rows.e + d].T
+        position = self._center(Int.COLLOID, Int.IMAGE) + offset @ self.field.axes
+        director = director @ self.field.axes
         bound = self.int[Int.PHASE] == int(Phase.BOUND)
         r = position - np.where(
             bound[:, None], self._center(Int.BOUND, Int.BOUND_IMAGE), self._center(Int.COLLOID, Int.IMAGE)
         )
-        R = np.linalg.norm(r, axis=1)
         empty = len(self.field.radii) == 0
         colloid = np.full_like(self.int[Int.COLLOID], -1) if empty else self.int[Int.COLLOID]
         host = np.where(bound, self.int[Int.BOUND], colloid)
-        radius = np.full(len(R), np.inf) if empty else self.field.radii[host]
-        height = np.full(len(R), np.inf) if empty else R - radius
-        sine = np.einsum("ij,ij->i", r, director) / np.where(R > 0.0, R, 1.0)
+        radius = height = np.full(len(r), np.inf)
+        sine = np.zeros(len(r))
+        if not empty:
+            radius = self.field.radii[host]
+            height, sine = self.field.stance(r, director, host)
         return Snapshot(
             position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound, height, sine,
             radius,

@@ -12,6 +12,7 @@ from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.engine.swimmers import image_of, same
 from porous_swim.obstacles.search import make_search
 from porous_swim.physics.located import Mode, make_stride
+from porous_swim.physics.surface import Surface, make_surface
 
 HALVINGS = 50  # of a time step: to its last bit
 SHORTEST = 1e-9  # of a time step: where errors or turning points ask for less, go on
@@ -21,11 +22,12 @@ AT_WALL = 1e-12  # distance from contact, in distances from the centre, that is 
 
 
 @cache
-def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere: bool):
+def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface):
     """Return `switched` and `passed`, which say whether a move has gone beyond an event, and `is_low`."""
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
-    search = make_search(real, dimensions, contact_height, sphere)
+    search = make_search(real, dimensions, contact_height, sphere, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def switched(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), x, e, mode):
@@ -44,21 +46,21 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
     def is_low(f: ti.template(), j, rules: ti.template(), x, e):
         """Whether the swimmer is in the contact band of the colloid of its encounter."""
         r = x + get(f, rows.bound_offset, j)
-        R = ti.sqrt(r.dot(r))
-        least, _ = height_and_slope(r.dot(e) / R, f[rows.gamma, j], f[rows.bound_A, j])
+        R = to.distance(r)
+        least, _ = height_and_slope(to.sine(r, e, R), f[rows.gamma, j], f[rows.bound_A, j])
         return R - f[rows.bound_A, j] - least <= ti.max(rules.contact_band, rules.tolerance)
 
     @ti.func
     def passed(f: ti.template(), n: ti.template(), j, rules: ti.template(), x, e, mode, low, grip):
         """Whether the swimmer touches, gets loose, crosses the edge of the contact band, escapes, or passes a pitch."""
-        R = ti.sqrt(x.dot(x))
-        least, _ = height_and_slope(x.dot(e) / R, f[rows.gamma, j], f[rows.A, j])
+        R = to.distance(x)
+        least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma, j], f[rows.A, j])
         sunk = R - f[rows.A, j] - least < -real(AT_WALL) * R
         r = x + get(f, rows.bound_offset, j)
-        distance = ti.sqrt(r.dot(r))
+        distance = to.distance(r)
         bound = n[Int.PHASE, j] == int(Phase.BOUND)
         left = bound & (distance - f[rows.bound_A, j] > rules.escape_height)
-        pitched = (n[LaneInt.WATCH_PITCH, j] != 0) & (r.dot(e) / distance > f[rows.escape_sine, j])
+        pitched = (n[LaneInt.WATCH_PITCH, j] != 0) & (to.sine(r, e, distance) > f[rows.escape_sine, j])
         crossed = bound & (is_low(f, j, rules, x, e) != low)
         loose = (mode != int(Mode.FREE)) & (grip < real(0.0))
         return loose | ((mode != int(Mode.HELD)) & sunk) | crossed | left | pitched
@@ -67,24 +69,25 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
 
 
 @cache
-def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool):
+def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool, surface: Surface):
     """Return `step(f, n, j, i, swimmers, medium, rules, n_steps)`, which moves lane j if it waits for nothing."""
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
-    stride = make_stride(rate, real, dimensions)
-    book = make_book(real, dimensions, True)
-    switched, passed, is_low = make_passed(real, dimensions, height_and_slope, contact_height, sphere)
+    stride = make_stride(rate, real, dimensions, surface)
+    book = make_book(real, dimensions, surface, located=True)
+    switched, passed, is_low = make_passed(real, dimensions, height_and_slope, contact_height, sphere, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def mode_of(f: ti.template(), n: ti.template(), j, x, e, A, mate, law, gamma):
         """What holds the swimmer, and how fast it approaches the wall."""
-        R = ti.sqrt(x.dot(x))
-        least, _ = height_and_slope(x.dot(e) / R, gamma, A)
+        R = to.distance(x)
+        least, _ = height_and_slope(to.sine(x, e, R), gamma, A)
         _, _, push, pinch = rate(x, e, A, mate, f[rows.mate_A, j], law, gamma, int(Mode.FREE))
         held = (R - A - least <= real(AT_WALL) * R) & (push >= real(0.0))
         mode = ti.select(held, int(Mode.HELD), int(Mode.FREE))
         r = x + mate
-        level = ti.abs(R - A - ti.sqrt(r.dot(r)) + f[rows.mate_A, j]) <= real(BETWEEN)
+        level = ti.abs(R - A - to.distance(r) + f[rows.mate_A, j]) <= real(BETWEEN)
         between = (n[LaneInt.BETWEEN, j] != 0) & (not held) & level & (pinch > real(0.0))
         return ti.select(between, int(Mode.BETWEEN), mode), push
 
@@ -92,15 +95,15 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
     def level(f: ti.template(), j, x, A, mate):
         """Put a swimmer between two colloids back to where both are equally near."""
         r = x + mate
-        R, R1 = ti.sqrt(x.dot(x)), ti.sqrt(r.dot(r))
-        across = x / R - r / R1
+        R, R1 = to.distance(x), to.distance(r)
+        across = to.normal(x, R) - to.normal(r, R1)
         return x - ((R - A - R1 + f[rows.mate_A, j]) / across.dot(across)) * across
 
     @ti.func
     def turns_back(x, e, A, gamma, tau, push0, push1):
         """Whether a free swimmer may have dipped into the wall: it came nearer first, and goes away at the end."""
-        R = ti.sqrt(x.dot(x))
-        least, _ = height_and_slope(x.dot(e) / R, gamma, A)
+        R = to.distance(x)
+        least, _ = height_and_slope(to.sine(x, e, R), gamma, A)
         return (push0 > real(0.0)) & (push1 < real(0.0)) & (R - A - least < tau * (push0 - push1))
 
     @ti.func
@@ -157,10 +160,10 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
             whole = rules.dt * (real(1.0) - clock)
             x, e, held, tau = travel(f, n, j, i, swimmers, medium, rules, whole)
             A = f[rows.A, j]
-            R = ti.sqrt(x.dot(x))
-            least, _ = height_and_slope(x.dot(e) / R, f[rows.gamma, j], A)
+            R = to.distance(x)
+            least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma, j], A)
             touch = held | (R - A - least <= real(AT_WALL) * R)
-            x *= ti.select(touch, (A + least) / R, real(1.0))
+            x = ti.select(touch, to.at(x, R, A + least), x)
             put(f, rows.trial_x, j, x)
             put(f, rows.trial_e, j, e)
             f[rows.trial_clock, j] = ti.select(tau < whole, clock + tau / rules.dt, real(1.0))

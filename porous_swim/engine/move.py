@@ -8,29 +8,31 @@ import taichi as ti
 from porous_swim.engine.book import make_book, make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, real_rows
 from porous_swim.physics.rounding import rounded
+from porous_swim.physics.surface import Surface, make_surface
 
 FAR = 1e3  # a
 
 
 @cache
-def make_step(real, dimensions: int, integrate, contact_height, sphere: bool):
+def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface):
     """Return `step(f, n, j, swimmer, swimmers, medium, rules, n_steps)`, which moves lane j if it waits for nothing.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass ends it.
     """
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
-    book = make_book(real, dimensions)
+    book = make_book(real, dimensions, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def keep_out(x, rest, e, A, gamma):
         """Project a position that is inside the contact height back on it."""
-        R = ti.sqrt(x.dot(x))
-        height = contact_height(x.dot(e) / R, gamma, A)
+        R = to.distance(x)
+        height = contact_height(to.sine(x, e, R), gamma, A)
         least = A + height
         touch = least >= R
         push = ti.max(least - R, real(0.0))
-        y = x * (push / R) + rest  # compensated like the step: slow sliding along a large colloid is not lost
+        y = to.along(x, R, push) + rest  # compensated like the step: slow sliding along a large colloid is not lost
         z = rounded(x + y)
         return z, y - (z - x), touch, push, height
 

@@ -8,16 +8,18 @@ import taichi as ti
 
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
+from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
+from porous_swim.physics.surface import Surface
 
 HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
 PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
 
 
 @cache
-def _drift_kernel(law: type, real: object):
-    drift = law.make_drift(real)
+def _drift_kernel(law: type, real: object, surface: Surface):
+    drift = law.make_drift(real, surface)
     Vectors, Numbers = ti.types.ndarray(real, ndim=2), ti.types.ndarray(real, ndim=1)
 
     @ti.kernel
@@ -59,22 +61,39 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
             f"offset and director: expected shape (n, 3), found {np.shape(offset)} and {np.shape(director)}"
         )
     A = np.broadcast_to(np.asarray(radius, dtype=np.float64), (len(x),))
-    arrays = [on_device(np.array(a, dtype=dtype)) for a in (x, e, A)]
-    results = [on_device(np.zeros(x.shape, dtype)) for _ in range(2)]
-    _drift_kernel(HYDRODYNAMICS[hydrodynamics], real)(*arrays, dipole_strength, bretherton, *results)
-    velocity, rate = (array.to_numpy() for array in results)
+    velocity, rate = np.zeros((2, *x.shape), dtype)
+    for rows in _by_surface(A):
+        axes = _axes(x[rows], A[rows])
+        offset, turned = ((v[rows][:, None] @ axes.mT)[:, 0] for v in (x, e))
+        arrays = [on_device(np.array(a, dtype=dtype)) for a in (offset, turned, A[rows])]
+        results = [on_device(np.zeros(offset.shape, dtype)) for _ in range(2)]
+        surface: Surface = "plane" if np.isinf(A[rows[0]]) else "sphere"
+        _drift_kernel(HYDRODYNAMICS[hydrodynamics], real, surface)(*arrays, dipole_strength, bretherton, *results)
+        velocity[rows], rate[rows] = ((array.to_numpy()[:, None] @ axes)[:, 0] for array in results)
     return velocity, rate
+
+
+def _by_surface(radius):
+    """Indices of the spheres and of the walls, those of the two that occur."""
+    return [rows for rows in (np.flatnonzero(np.isfinite(radius)), np.flatnonzero(np.isinf(radius))) if len(rows)]
+
+
+def _axes(offset, radius):
+    """Axes (n, 3, 3) in which the device has offsets (n, 3) of swimmers: those of space, or of the wall below each."""
+    if np.isfinite(radius[0]):
+        return np.broadcast_to(np.eye(3), (len(offset), 3, 3))
+    return np.stack([wall_axes(x / np.linalg.norm(x), 3) for x in offset])
 
 
 def drift(
     offset, director, *, radius, dipole_strength, aspect_ratio=1.0, hydrodynamics="image_dipole", precision="f64"
 ):
-    """Velocity (e + u) and rate of the director of swimmers near a sphere, by the engine's own functions.
+    """Velocity (e + u) and rate of the director of swimmers near a sphere or a wall, by the engine's own functions.
 
     Args:
-        offset: (n, 3) swimmer centres minus the sphere's centre, a.
+        offset: (n, 3) swimmer centres minus the sphere's centre, a; minus the nearest point of a plane wall.
         director: (n, 3) unit vectors.
-        radius: of the sphere, a; a number or (n,).
+        radius: of the sphere, a; a number or (n,); infinite for a plane wall, exactly.
         dipole_strength: alpha.
         aspect_ratio: gamma in (0, 1].
         hydrodynamics: `image_dipole`, `near_wall` or `none`.
@@ -91,7 +110,7 @@ def drift(
 
 
 def contact_height(pitch, *, radius, aspect_ratio=1.0):
-    """Least height of a swimmer's centre above a sphere of `radius`, a, at `pitch` (n,) rad.
+    """Least height of a swimmer's centre above a sphere of `radius`, a (infinite: a plane), at `pitch` (n,) rad.
 
     For a prolate spheroid with semi-axes 1, gamma and gamma (`aspect_ratio`), exact; 1 for a spherical swimmer.
     """
@@ -104,9 +123,11 @@ def height_at_sine(sine, radius, *, aspect_ratio):
         raise ValueError(f"aspect_ratio: expected 0 < gamma <= 1, found {aspect_ratio!r}")
     backend.ensure_any()
     s, A = np.broadcast_arrays(np.asarray(sine, dtype=np.float64), np.asarray(radius, dtype=np.float64))
-    if s.size == 0:
-        return np.zeros(s.shape)
-    result = on_device(np.zeros(s.size))
-    shape = shape_of(aspect_ratio, float(A.min()))
-    _height_kernel(shape)(on_device(np.array(s).ravel()), on_device(np.array(A).ravel()), aspect_ratio, result)
-    return result.to_numpy().reshape(s.shape)
+    height = np.zeros(s.size)
+    for rows in _by_surface(A.ravel()):
+        sines, radii = s.ravel()[rows], A.ravel()[rows]
+        result = on_device(np.zeros(len(rows)))
+        shape = shape_of(aspect_ratio, float(radii.min()))
+        _height_kernel(shape)(on_device(sines), on_device(radii), aspect_ratio, result)
+        height[rows] = result.to_numpy()
+    return height.reshape(s.shape)

@@ -104,17 +104,18 @@ class Records:
         for axis, name in enumerate("xyz"):
             columns[f"image_{name}"] = integer[:, LogInt.IMAGE + axis]
         for end in ("entry", "exit"):
-            columns |= self._end(end, real, center)
+            columns |= self._end(end, real, integer[:, LogInt.COLLOID], center)
         return columns
 
-    def _end(self, end: str, real: np.ndarray, center: np.ndarray) -> dict[str, np.ndarray]:
+    def _end(self, end: str, real: np.ndarray, colloid: np.ndarray, center: np.ndarray) -> dict[str, np.ndarray]:
         """Position, director and pitch at the `entry` or the `exit`."""
         d = self._field.dimensions
         x, e = np.zeros_like(center), np.zeros_like(center)
         first_x, first_e = getattr(self._columns, f"{end}_x"), getattr(self._columns, f"{end}_e")
         x[:, :d], e[:, :d] = real[:, first_x : first_x + d], real[:, first_e : first_e + d]
-        R = np.linalg.norm(x, axis=1)
-        pitch = np.arcsin(np.clip(np.einsum("ij,ij->i", x, e) / np.where(R > 0.0, R, 1.0), -1.0, 1.0))
+        x, e = x @ self._field.axes, e @ self._field.axes
+        _, sine = self._field.stance(x, e, colloid)
+        pitch = np.arcsin(np.clip(sine, -1.0, 1.0))
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]
         return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True))
 

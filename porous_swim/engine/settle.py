@@ -9,6 +9,7 @@ from porous_swim.engine.book import make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, Status, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import ivec3, make_between, make_search
+from porous_swim.physics.surface import Surface, make_surface
 
 MAX_PROJECTIONS = 8
 MAX_IMAGE = 2**30
@@ -16,13 +17,14 @@ BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are
 
 
 @cache
-def make_project(real):
-    """Return `on_sphere` and `on_circle`, which put a point on one contact sphere or on two at once."""
+def make_project(real, surface: Surface):
+    """Return `on_sphere` and `on_circle`, which put a point on one contact sphere (or plane) or on two at once."""
+    to = make_surface(real, surface)
 
     @ti.func
     def on_sphere(y, c, radius):
         v = y - c
-        return c + v * (radius / ti.sqrt(v.dot(v)))
+        return c + to.at(v, to.distance(v), radius)
 
     @ti.func
     def on_circle(y, c, radius, c1, radius1):
@@ -41,7 +43,7 @@ def make_project(real):
 
 
 @cache
-def make_resolve(real, dimensions: int, contact_height, sphere: bool):
+def make_resolve(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
     """Return `resolve(medium, k, image, y, y_old, e, e_old, gamma, tolerance)`.
 
     `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
@@ -51,8 +53,9 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
     It returns y, e, the result of the search there, and the last two colloids that it was put on (-1: none).
     """
     between = make_between(real, dimensions)
-    search = make_search(real, dimensions, contact_height, sphere)
-    on_sphere, on_circle = make_project(real)
+    search = make_search(real, dimensions, contact_height, sphere, surface)
+    on_sphere, on_circle = make_project(real, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def resolve(medium: ti.template(), k, image, y, y_old, e, e_old, gamma, tolerance):
@@ -68,7 +71,7 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
                 c = between(medium, k, image, j, image_j)
                 v = y - c
                 A = medium.radius[j]
-                radius = A + contact_height(v.dot(e) / ti.sqrt(v.dot(v)), gamma, A)
+                radius = A + contact_height(to.sine(v, e, to.distance(v)), gamma, A)
                 back = same(j, image_j, before, before_image)
                 y = ti.select(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
                 y, e = ti.select(tries == MAX_PROJECTIONS, y_old, y), ti.select(tries == MAX_PROJECTIONS, e_old, e)
@@ -81,7 +84,7 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool):
 
 
 @cache
-def make_settle(real, dimensions: int, contact_height, sphere: bool, located: bool):
+def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Surface, located: bool):
     """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
@@ -91,7 +94,8 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, located: bo
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    resolve = make_resolve(real, dimensions, contact_height, sphere)
+    resolve = make_resolve(real, dimensions, contact_height, sphere, surface)
+    to = make_surface(real, surface)
 
     @ti.func
     def push_off(f: ti.template(), j, y, z):
@@ -99,7 +103,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, located: bo
         moved, r = z - y, z + get(f, rows.bound_offset, j)
         if moved.dot(moved) > real(0.0):
             put(f, rows.trial_rest, j, real(0.0) * y)
-            f[rows.trial_push, j] += ti.max(real(0.0), moved.dot(r) / ti.sqrt(r.dot(r)))
+            f[rows.trial_push, j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
 
     @ti.func
     def set_budget(f: ti.template(), j, y, found, rules: ti.template()):

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 import rerun as rr
+from scipy.spatial.transform import Rotation
 
 from porous_swim.observers.palette import COLLOID, DOMAIN, STATE_COLORS, STATE_NAMES
 from porous_swim.observers.stream import RecordingFile
+from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.wall import WallField
 
+WALL_THICKNESS = 1.0  # a, as drawn
 MAX_TRANSLUCENT = 2000  # more take seconds a picture without a GPU; points are always quick, and opaque
 
 
 def log_world(file: RecordingFile, field: ObstacleField) -> None:
-    """Log what never changes."""
+    """Log what never changes; a wall is drawn by `log_wall`."""
     states = [rr.AnnotationInfo(id=state, label=name, color=STATE_COLORS[state]) for state, name in STATE_NAMES.items()]
     file.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.AnnotationContext(states))
     if len(field.centers) > MAX_TRANSLUCENT:
         colors = _depth_shade(field.centers)
         file.log("world/colloids", rr.Points3D(_single(field.centers), radii=_single(field.radii), colors=colors))
-    elif len(field.centers):
+    elif len(field.centers) and not isinstance(field, WallField):
         log_translucent(file, "world/colloids", field)
     if field.periodic:
         box = rr.Boxes3D(
@@ -39,6 +43,22 @@ def log_translucent(file: RecordingFile, entity: str, field: ObstacleField, *, w
         fill_mode="solid",
     )
     file.log(entity, spheres)
+
+
+def log_wall(file: RecordingFile, field: WallField, scenery: Scenery) -> None:
+    """Log the part of the wall that belongs to the scenery, as a see-through slab below its plane."""
+    size, last = np.full(3, 0.75 * scenery.size), field.dimensions - 1
+    size[last] = 0.5 * WALL_THICKNESS
+    size[last + 1 :] = WALL_THICKNESS  # across the plane of two dimensions
+    middle = field.outline(scenery.center[None, :]) - size[last] * field.normal
+    slab = rr.Boxes3D(
+        centers=_single(middle),
+        half_sizes=_single(size[None, :]),
+        quaternions=_single(Rotation.from_matrix(field.axes.T).as_quat()[None, :]),
+        colors=[(*COLLOID, _alpha(field))],
+        fill_mode="solid",
+    )
+    file.log("world/colloids", slab)
 
 
 def _alpha(field: ObstacleField) -> int:

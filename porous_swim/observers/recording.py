@@ -14,13 +14,14 @@ import rerun as rr
 from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.blueprint import Layout
-from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_world
+from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_wall, log_world
 from porous_swim.observers.statistics import HistogramTrack, SeriesTrack
 from porous_swim.observers.stream import RecordingFile
 from porous_swim.observers.summary_page import SummaryPage
 from porous_swim.observers.swimmers import SwimmerTrack
 from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.wall import WallField
 
 LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
 # measured, a row of one frame: position and state; of a trail: also director, segment and a second point
@@ -127,7 +128,9 @@ class Recording:
             status = f"Finished: {step:,} steps of {self._time_step:g} a/U."
             self._say(f"finished at step {step}", "INFO", self._last)
         self._write_page(self._page.text(self._last, status=status, results=self._results))
-        self._file.stream.send_blueprint(self._layout(self._last).blueprint(), make_active=False)
+        layout = self._layout(self._last)
+        self._draw_wall(layout.scenery)
+        self._file.stream.send_blueprint(layout.blueprint(), make_active=False)
         self._file.close()
 
     @property
@@ -140,6 +143,7 @@ class Recording:
         self._file = file = RecordingFile(self._path, recording_id=self._id, blueprint=layout.blueprint())
         file.describe(self._page.name, self._provenance)
         log_world(file, self._field)
+        self._draw_wall(layout.scenery)
         self._swimmer_track = SwimmerTrack(
             file,
             swimmers=self._swimmers,
@@ -155,16 +159,21 @@ class Recording:
         file.flush()
 
     def _layout(self, frame: Frame) -> Layout:
-        # around colloids, show these and the release; else wherever the swimmers went
+        # around spheres, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
+        bounded = np.any(np.isfinite(self._field.radii))
         return Layout(
-            scenery=Scenery.of(self._field, start if len(self._field.centers) else frame.position[self._swimmers]),
+            scenery=Scenery.of(self._field, start if bounded else frame.position[self._swimmers]),
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
             has_colloids=len(self._field.centers) > 0,
             has_trails=len(self._trails) > 0,
             crowded=self._crowded,
         )
+
+    def _draw_wall(self, scenery: Scenery) -> None:
+        if self._file is not None and isinstance(self._field, WallField):
+            log_wall(self._file, self._field, scenery)
 
     def _write_page(self, text: str) -> None:
         assert self._file is not None

@@ -24,9 +24,8 @@ class Scenery:
     @classmethod
     def of(cls, field: ObstacleField, position: np.ndarray) -> Scenery:
         """The box of a periodic field; else what holds the colloids and most of the `position`s, (n, 3)."""
-        radii = field.radii[:, None]
         most = np.quantile(position, [0.05, 0.95], axis=0) if len(position) else np.zeros((0, 3))
-        corners = np.concatenate([field.centers - radii, field.centers + radii, most, np.zeros((1, 3))])
+        corners = np.concatenate([field.outline(most), most, np.zeros((1, 3))])
         repeats = field.box > 0.0
         lower = np.where(repeats, 0.0, corners.min(axis=0))
         upper = np.where(repeats, field.box, corners.max(axis=0))

@@ -48,7 +48,7 @@ class CellIndex:
 
 def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
     """Index `field`; every colloid whose surface is within `reach` of a point is in the list of its cell."""
-    centers, radii = field.centers, field.radii
+    centers, radii = field.centers, np.where(np.isinf(field.radii), 0.0, field.radii)  # a wall is its own centre
     if len(radii) == 0:
         centers, radii = np.zeros((1, 3)), np.array([ANCHOR_RADIUS])
     axes = np.arange(3) < field.dimensions

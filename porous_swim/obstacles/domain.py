@@ -20,7 +20,7 @@ class Domain(Part):
     dimensions: Literal[2, 3] = 3
     """2: everything moves in the plane z = 0, between colloids that are still spheres. 3: all of space."""
     boundary: Literal["open", "periodic"] | None = None
-    """`open` is unbounded, `periodic` repeats. Left out: open for `none` and `single`, else periodic."""
+    """`open` is unbounded, `periodic` repeats. Left out: open for `none`, `single` and `wall`, else periodic."""
     size: Annotated[tuple[Edge, ...], Field(min_length=2, max_length=3)] | None = None
     """Edges of the box, where the layout does not set it: `[x, y]` in 2-D, `[x, y, z]` in 3-D."""
 

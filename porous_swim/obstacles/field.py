@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
 
 import numpy as np
 
 from porous_swim.obstacles.nearest import NearestSphere
+from porous_swim.physics.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,12 @@ class ObstacleField:
     radii: np.ndarray  # (n_colloids,), a
     box: np.ndarray  # (3,), a; edge lengths, 0 along an axis that does not repeat
     dimensions: int  # 2 or 3
+    axes: np.ndarray = field(default_factory=lambda: np.eye(3))  # (3, 3), rows: the axes of offsets on the device
+
+    @property
+    def surface(self) -> Surface:
+        """The kind of surface that colloids have."""
+        return "sphere"
 
     @property
     def periodic(self) -> bool:
@@ -50,6 +57,25 @@ class ObstacleField:
         centre (m, 3).
         """
         return self._spheres.near(points, height)
+
+    def stance(self, offset: np.ndarray, director: np.ndarray, colloid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return height and sine of the pitch, both (n,), of swimmers at `offset` (n, 3) from `colloid` (n,)."""
+        distance = np.linalg.norm(offset, axis=1)
+        sine = np.einsum("ij,ij->i", director, offset) / np.where(distance > 0.0, distance, 1.0)
+        return distance - self.radii[colloid], sine
+
+    def above(self, colloid: int, direction: np.ndarray, height: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return points (n, 3) at `height` above a colloid in unit `direction`s (n, 3), and the normals there."""
+        return self.centers[colloid] + (self.radii[colloid] + height) * direction, direction
+
+    def outline(self, points: np.ndarray) -> np.ndarray:
+        """Return corners (m, 3) of what is to be seen of the colloids beside `points` (n, 3)."""
+        radii = self.radii[:, None]
+        return np.concatenate([self.centers - radii, self.centers + radii])
+
+    def name(self, colloid: int) -> str:
+        """What messages call a colloid."""
+        return f"colloid {colloid} of radius {self.radii[colloid]:g}"
 
     @cached_property
     def _spheres(self) -> NearestSphere:

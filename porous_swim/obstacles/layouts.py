@@ -17,6 +17,7 @@ from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.lattices import BodyCentred, FaceCentred, Hexagonal, SimpleCubic, Square
 from porous_swim.obstacles.overlaps import checked_field
+from porous_swim.obstacles.wall import Wall
 from porous_swim.parts import KeyedError, Part, Point, Radius, as_vector
 
 
@@ -113,8 +114,18 @@ def _optional_box(domain: Domain) -> np.ndarray:
 
 
 Layout = Annotated[
-    NoObstacles | Single | Square | Hexagonal | SimpleCubic | BodyCentred | FaceCentred | Random | Packing | FromFile,
+    NoObstacles
+    | Single
+    | Wall
+    | Square
+    | Hexagonal
+    | SimpleCubic
+    | BodyCentred
+    | FaceCentred
+    | Random
+    | Packing
+    | FromFile,
     Field(discriminator="layout"),
 ]
 
-OPEN_BY_DEFAULT = ("none", "single")
+OPEN_BY_DEFAULT = ("none", "single", "wall")

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from porous_swim.obstacles.cells import FIXED_BITS
+from porous_swim.physics.surface import Surface, make_surface
 
 ivec3 = ti.types.vector(3, ti.i32)
 lvec3 = ti.types.vector(3, ti.i64)
@@ -17,7 +18,7 @@ class Medium(NamedTuple):
     """The colloids as kernel arguments; see `cells.CellIndex`."""
 
     center: Any  # (n_colloids, 3) i64, fixed point
-    radius: Any  # (n_colloids,) real
+    radius: Any  # (n_colloids,) real; 0 for a wall
     first: Any  # (n_cells + 1,) i32
     candidate: Any  # (n_candidates, 2) i32: colloid, packed image
     grid: Any  # (7,) i32: cells along each axis, whether it repeats, number of colloids
@@ -41,7 +42,7 @@ def make_between(real, dimensions: int):
 
 
 @cache
-def make_search(real, dimensions: int, contact_height, sphere: bool):
+def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
     """Return a namespace of `run(medium, k, image, y, e, gamma)` and `empty()`, the result of no search.
 
     The swimmer is at offset y from image `image` of colloid k.
@@ -49,6 +50,7 @@ def make_search(real, dimensions: int, contact_height, sphere: bool):
     The result holds the nearest colloid, its image, the distances to the nearest and second nearest surface, and the
     colloid into which the swimmer reaches deepest, with the depth (negative: free). Distances in a.
     """
+    to = make_surface(real, surface)
     Found = ti.types.struct(
         near=ti.i32, image=ivec3, first=real, second=real, deep=ti.i32, deep_image=ivec3, depth=real
     )
@@ -102,7 +104,7 @@ def make_search(real, dimensions: int, contact_height, sphere: bool):
                     v[d] = ti.cast(n, real) * medium.scale[0, d]
                 else:
                     v[d] = y[d] + ti.cast(medium.center[k, d] - medium.center[j, d], real) * medium.scale[0, d]
-            R = ti.sqrt(v.dot(v))
+            R = to.distance(v)
             distance = R - medium.radius[j]
             if distance < found.first:
                 found.second, found.first = found.first, distance
@@ -110,7 +112,7 @@ def make_search(real, dimensions: int, contact_height, sphere: bool):
             elif distance < found.second:
                 found.second = distance
             if ti.static(not sphere):
-                depth = contact_height(v.dot(e) / R, gamma, medium.radius[j]) - distance
+                depth = contact_height(to.sine(v, e, R), gamma, medium.radius[j]) - distance
                 if depth > found.depth:
                     found.deep, found.deep_image, found.depth = j, image + box + shift, depth
         if ti.static(sphere):  # whose contact height is the same everywhere: the deepest is the nearest

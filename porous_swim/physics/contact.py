@@ -3,26 +3,33 @@
 Lengths in half-lengths a. A sphere keeps h >= 1. A prolate spheroid (semi-axes 1, gamma, gamma) touches a sphere of
 radius A with the point whose normal n is turned by p from its axis: its support there is the vector
 (cos p, gamma^2 sin p)/S with S = sqrt(cos^2 p + gamma^2 sin^2 p), so that the centres are x = A n + support apart.
+A plane it touches where n is the normal: h = sqrt(s^2 + gamma^2 (1 - s^2)) at sine s of the pitch.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
+from math import inf
 from typing import Literal
 
 import taichi as ti
 
 from porous_swim.parts import Part
 
-Shape = Literal["sphere", "rod", "needle"]
+Shape = Literal["sphere", "flat", "rod", "needle"]
 # Shapes below this aspect ratio, or at colloids below this radius, are needles: more work for the same digits.
 ROD_RATIO, ROD_RADIUS = 0.1, 1.0
 THINNEST = 0.01  # aspect ratio down to which a needle's contact height was checked, at radii from 0.05 on
 
 
 def shape_of(aspect_ratio: float, radius: float) -> Shape:
-    """The class of contact that the least aspect ratio gamma and the least radius of colloids (a) need."""
+    """The class of contact that the least aspect ratio gamma and the least radius of colloids (a) need.
+
+    `flat` is a spheroid's with a plane, the only colloid of infinite radius.
+    """
     if aspect_ratio == 1.0:
         return "sphere"
+    if radius == inf:
+        return "flat"
     return "rod" if aspect_ratio >= ROD_RATIO and radius >= ROD_RADIUS else "needle"
 
 
@@ -48,6 +55,8 @@ class HardContact(Part):
     @cache
     def make_height_and_slope(real, shape: Shape):
         """Return `height_and_slope(s, gamma, A)`: the least height, and its derivative with respect to s."""
+        if shape == "flat":
+            return make_flat(real)
         normal = make_normal(real, shape)
 
         @ti.func
@@ -70,6 +79,20 @@ class HardContact(Part):
             return h, slope
 
         return height_and_slope
+
+
+@cache
+def make_flat(real):
+    """Return `height_and_slope(s, gamma, A)` at a plane: the support of the spheroid along the normal."""
+
+    @ti.func
+    def height_and_slope(s, gamma, A):
+        up = ti.max(ti.min(s, real(1.0)), real(-1.0))
+        g = gamma * gamma
+        h = ti.sqrt(g + (real(1.0) - g) * up * up)
+        return h, (real(1.0) - g) * up / h
+
+    return height_and_slope
 
 
 @cache

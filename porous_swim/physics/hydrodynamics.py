@@ -1,4 +1,4 @@
-"""Drift of a force-dipole swimmer caused by the nearest colloid.
+"""Drift of a force-dipole swimmer caused by the nearest colloid, a sphere or a plane wall.
 
 Lengths in half-lengths a, speeds in U. Source: Spagnolie, Moreno-Flores, Bartolo, Lauga, Soft Matter 11,
 3396 (2015), Appendix B, in the form without square roots; Gamma enters with the sign of Appendix B.
@@ -11,6 +11,30 @@ from typing import Literal
 import taichi as ti
 
 from porous_swim.parts import Part
+from porous_swim.physics.surface import Surface, make_surface
+
+
+@cache
+def make_plane_drift(real):
+    """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at a plane wall, the exact image of the dipole.
+
+    The limit of large A of that at a sphere, A being of no concern, and the flow of Blake's images:
+    k [(3 q - 1) n + 2 s (e - s n)] and -(k/h) [1 + (Gamma/2)(1 + q)] s (n - s e) with k = 3 alpha/(8 h^2), s = e.n,
+    q = s^2 and n the normal.
+    """
+    to = make_surface(real, "plane")
+
+    @ti.func
+    def drift(x, e, A, alpha, Gamma):
+        h = to.distance(x)
+        n, s = to.normal(x, h), to.sine(x, e, h)
+        q = s * s
+        k = real(0.375) * alpha / (h * h)
+        velocity = k * ((real(3.0) * q - real(1.0)) * n + real(2.0) * s * (e - s * n))
+        turn = -k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
+        return velocity, turn * (n - s * e)
+
+    return drift
 
 
 class NoHydrodynamics(Part):
@@ -20,7 +44,7 @@ class NoHydrodynamics(Part):
 
     @staticmethod
     @cache
-    def make_drift(real):
+    def make_drift(real, surface: Surface = "sphere"):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate`, both zero here."""
 
         @ti.func
@@ -37,11 +61,14 @@ class ImageDipole(Part):
 
     @staticmethod
     @cache
-    def make_drift(real):
+    def make_drift(real, surface: Surface = "sphere"):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
 
-        The swimmer's own speed is not in the velocity. One division, no square root, no branch.
+        The swimmer's own speed is not in the velocity. One division, no square root, no branch. At a plane wall it is
+        that of `make_plane_drift`.
         """
+        if surface == "plane":
+            return make_plane_drift(real)
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):
@@ -70,14 +97,17 @@ class NearWall(Part):
 
     @staticmethod
     @cache
-    def make_drift(real):
+    def make_drift(real, surface: Surface = "sphere"):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
 
         The velocity is that at a plane wall. The director's rate makes height and pitch obey, with nothing left out,
         dh/dt = s - (3 alpha/(8 h^2)) (1 - 3 s^2) and
         dtheta/dt = cos(theta)/A - (3 alpha/(64 h^3)) [4 + Gamma (3 - cos 2 theta)] sin 2 theta, whose 1/A stands for
-        the turn of the wall under a swimmer that moves along it; the sphere's own turn, v/(A + h), is taken off.
+        the turn of the wall under a swimmer that moves along it; the sphere's own turn, v/(A + h), is taken off. At a
+        plane wall, where 1/A = 0, it is the exact drift of `make_plane_drift`.
         """
+        if surface == "plane":
+            return make_plane_drift(real)
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):

@@ -1,7 +1,7 @@
 """The pitch at which a pusher in contact with a colloid starts to leave it: dh/dt = 0 at the height of contact.
 
-With s the sine of the pitch that reads s + K (3 s^2 - 1) = 0, K = 3 alpha A R/(2 H^2), R = A + h and H = h (2 A + h):
-the image of a force dipole at a no-slip sphere (Soft Matter 11, 3396, Appendix B). Lengths in a.
+With s the sine of the pitch that reads s + K (3 s^2 - 1) = 0, K = 3 alpha A R/(2 H^2), R = A + h and H = h (2 A + h),
+or 3 alpha/(8 h^2) at a plane wall: the image of a force dipole at a no-slip sphere (Soft Matter 11, 3396, Appendix B). Lengths in a.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
@@ -9,12 +9,14 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.physics.surface import Surface
+
 FLAT = 0.5773502691896258  # 1/sqrt(3): at this sine the flow has no part along the normal
 N_HALVINGS = {ti.f32: 26, ti.f64: 54}  # of [0, FLAT], to rounding
 
 
 @cache
-def make_lift_off_sine(real, contact_height, sphere: bool):
+def make_lift_off_sine(real, contact_height, sphere: bool, surface: Surface):
     """Return `lift_off_sine(A, alpha, gamma)`, for alpha >= 0: the sine of that pitch, from 0 to 1/sqrt(3).
 
     It is the only root there: the contact height of a rod grows with its pitch, so K falls and dh/dt rises.
@@ -22,8 +24,11 @@ def make_lift_off_sine(real, contact_height, sphere: bool):
 
     @ti.func
     def strength(A, alpha, h):
-        R, H = A + h, h * (real(2.0) * A + h)
-        return real(1.5) * alpha * A * R / (H * H)
+        K = real(0.375) * alpha / (h * h)
+        if ti.static(surface == "sphere"):
+            R, H = A + h, h * (real(2.0) * A + h)
+            K = real(1.5) * alpha * A * R / (H * H)
+        return K
 
     @ti.func
     def lift_off_sine(A, alpha, gamma):

@@ -14,6 +14,8 @@ import numpy as np
 import taichi as ti
 from scipy.integrate import DOP853
 
+from porous_swim.physics.surface import Surface, make_surface
+
 
 class Mode(IntEnum):
     """What holds a swimmer during a step."""
@@ -37,24 +39,25 @@ def tableau() -> np.ndarray:
 
 
 @cache
-def make_motion(drift, real, dimensions: int, height_and_slope):
+def make_motion(drift, real, height_and_slope, surface: Surface):
     """Return `rate(x, e, A, mate, mate_A, law, gamma, mode) -> velocity, director rate, push, pinch`.
 
     `x` is the offset from a sphere of radius A and x + mate that from one of mate_A. Whatever holds a swimmer, `push`
     is the speed at which the wall has to hold it off, and `pinch` the lesser of the two speeds at which it is drawn
     across the middle between the colloids: either holds while it is positive.
     """
+    to = make_surface(real, surface)
 
     @ti.func
     def beside(x, e, A, law, gamma, held):
         flow, turning = drift(x, e, A, law[0], law[1])
         velocity = e + flow
-        R = ti.sqrt(x.dot(x))
-        n = x / R
+        R = to.distance(x)
+        n = to.normal(x, R)
         s, out = n.dot(e), n.dot(velocity)
         _, slope = height_and_slope(s, gamma, A)
         # ds/dt = n.de/dt + e.dn/dt, to which the normal velocity does not contribute
-        push = slope * (n.dot(turning) + (e.dot(velocity) - s * out) / R) - out
+        push = slope * (n.dot(turning) + to.bend(e.dot(velocity) - s * out, R)) - out
         return velocity + ti.select(held, push, real(0.0)) * n, turning, push
 
     @ti.func
@@ -63,7 +66,7 @@ def make_motion(drift, real, dimensions: int, height_and_slope):
         # between two colloids: the mean of the two motions that stays there (Filippov)
         r = x + mate
         velocity1, turning1, _ = beside(r, e, mate_A, law, gamma, False)
-        across = x / ti.sqrt(x.dot(x)) - r / ti.sqrt(r.dot(r))
+        across = to.normal(x, to.distance(x)) - to.normal(r, to.distance(r))
         out, back = across.dot(velocity), -across.dot(velocity1)
         between = mode == int(Mode.BETWEEN)
         weight = ti.select(between, out / (out + back), real(0.0))
@@ -75,7 +78,7 @@ def make_motion(drift, real, dimensions: int, height_and_slope):
 
 
 @cache
-def make_stride(rate, real, dimensions: int):
+def make_stride(rate, real, dimensions: int, surface: Surface):
     """Return `stride(table, x, e, other, A, mate, mate_A, law, gamma, mode, tau)`, one step of length tau.
 
     `table` is the tableau. It gives position, director (to be normalised), grip and distance from -`other` summed
@@ -83,6 +86,7 @@ def make_stride(rate, real, dimensions: int):
     swimmer between two colloids.
     """
     n_rows, grip_row, distance_row = 2 * dimensions + 2, 2 * dimensions, 2 * dimensions + 1
+    to = make_surface(real, surface)
     Stages = ti.types.matrix(N_STAGES + 1, n_rows, real)
 
     @ti.func
@@ -113,7 +117,7 @@ def make_stride(rate, real, dimensions: int):
             r = vector(y, 0) + other
             for d in ti.static(range(dimensions)):
                 k[stage, d], k[stage, dimensions + d] = velocity[d], turning[d]
-            k[stage, grip_row], k[stage, distance_row] = grip, ti.sqrt(r.dot(r))
+            k[stage, grip_row], k[stage, distance_row] = grip, to.distance(r)
         fifth, third = weighted(k, table, N_STAGES + 1), weighted(k, table, N_STAGES + 2)
         squared = fifth.dot(fifth)
         spread = ti.sqrt(squared + real(0.01) * third.dot(third)) + real(1e-300)

@@ -89,6 +89,7 @@ def equilibrium_pitch(
 ) -> float | None:
     """Pitch theta*, in rad, at which a pusher orbits a colloid of `radius` that holds it; None where none does.
 
+    At a plane wall (infinite radius) it is 0.
     `exact` is where dtheta/dt = 0 in contact; `leading` is 16 gamma^3/(3 A alpha (2 + Gamma)), None where it exceeds
     the leading escape angle. A puller rests nose-on, at -pi/2, where that is stable.
     """

@@ -27,10 +27,6 @@ def rates(
     check_positive(height=height, radius=radius)
     check_aspect_ratio(aspect_ratio)
     s, gamma = math.sin(pitch), bretherton(aspect_ratio)
-    if math.isinf(radius):
-        k = 0.375 * dipole_strength / height**2
-        turning = -math.cos(pitch) * s * (k / height) * (1.0 + 0.5 * gamma * (1.0 + s * s))
-        return s + k * (3.0 * s * s - 1.0), turning
     K, turning = _strengths(s, height, radius, dipole_strength, gamma)
     return s + K * (3.0 * s * s - 1.0), math.cos(pitch) * turning
 
@@ -41,6 +37,10 @@ def turning_over_cosine(s: float, height: float, radius: float, dipole_strength:
 
 
 def _strengths(s: float, h: float, A: float, alpha: float, gamma: float) -> tuple[float, float]:
+    """K and (dtheta/dt)/cos(theta)."""
+    if math.isinf(A):
+        K = 0.375 * alpha / h**2
+        return K, -K / h * (1.0 + 0.5 * gamma * (1.0 + s * s)) * s
     R, H = A + h, h * (2.0 * A + h)
     a = (A / R) ** 2
     b = a * (3.0 - a)
