@@ -61,7 +61,7 @@ def complaint(tmp_path: Path, text: str) -> str:
         ("0.8", "1e999", "3:20: swimmers.dipole_strength: expected a finite number, found .inf"),
         ("0.8", "", "3:19: swimmers.dipole_strength: expected a number, found nothing"),
         ("0.8", "[0.8]", "3:20: swimmers.dipole_strength: expected a number, found a list"),
-        ("hexagonal", "hexgonal", "4:21: obstacles.layout: expected `none`, `single`, `square`, "
+        ("hexagonal", "hexgonal", "4:21: obstacles.layout: expected `none`, `single`, `wall`, `square`, "
          "`hexagonal`, `sc`, `bcc`, "
          "`fcc`, `random`, `packing` or `file`, found 'hexgonal'; did you mean `hexagonal`?"),
         ("layout: hexagonal, ", "", "4:1: obstacles.layout: this key is required and missing"),
