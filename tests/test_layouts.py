@@ -165,6 +165,15 @@ def test_all_images_within_reach_are_found() -> None:
     assert len(field.near(np.array([[2.25, 1.0, 1.0]]), 1.8)[0]) == 2 + 2 * 4
 
 
+def test_heights_above_a_wall_count_along_its_normal_whatever_its_length() -> None:
+    field = place({"layout": "wall", "normal": [0, 6, 8], "position": [1, 2, 3]})
+    index, image, height = field.nearest(np.array([[7.0, 2.6, 3.8], [-9.0, 2.0, 3.0], [1.0, 10.0, -4.0]]))
+    assert height == pytest.approx([1.0, 0.0, -0.8], abs=1e-15)
+    assert (index.tolist(), image.any()) == ([0, 0, 0], False)
+    assert not field.periodic
+    assert field.packing_fraction is None
+
+
 def test_an_empty_field_has_no_nearest() -> None:
     index, image, height = place({"layout": "none"}).nearest(np.zeros((2, 3)))
     assert index.tolist() == [-1, -1]
@@ -217,6 +226,19 @@ def test_a_bad_table_is_named(tmp_path: Path, table: str, message: str) -> None:
          "domain.size: leave it out: an open domain is unbounded"),
         ({"layout": "single", "radius": 6.0}, {"boundary": "periodic"},
          "domain.size: this layout needs the box: give 3 edge lengths"),
+        ({"layout": "wall", "normal": [0, 0, 1]}, {"boundary": "periodic", "size": [9, 9, 9]},
+         "domain.boundary: a wall stands in open space: expected open (nothing needs to repeat along it), "
+         "found periodic"),
+        ({"layout": "wall", "normal": [0, 0, 1]}, {"size": [9, 9, 9]},
+         "domain.size: leave it out: an open domain is unbounded"),
+        ({"layout": "wall", "normal": [0, 0, 0]}, {},
+         "obstacles.normal: expected a direction, found the zero vector"),
+        ({"layout": "wall", "normal": [0, 0, 1]}, {"dimensions": 2},
+         "obstacles.normal: expected a z component of 0 in two dimensions, found 1"),
+        ({"layout": "wall", "normal": [0, 1], "position": [0, 1, 2]}, {"dimensions": 2},
+         "obstacles.position: expected a z component of 0 in two dimensions, found 2"),
+        ({"layout": "wall", "normal": [0, 0, 1], "radius": 3.0}, {},
+         "obstacles.radius: unknown key; allowed with layout: wall: layout, normal, position"),
         ({"layout": "fcc", "radius": 6.0, "spacing": 11.0, "cells": [1, 1, 1]}, {},
          "obstacles.spacing: colloids of radius 6 overlap by 1: expected at least 12, found 11"),
         ({"layout": "fcc", "radius": 1.0, "spacing": 11.0, "cells": [1, 1]}, {},

@@ -13,12 +13,14 @@ import pytest
 import rerun_cli
 from frames import cubic_lattice, free_space, hexagonal_crystal, single_colloid, walk
 from rerun.chunk import RrdReader
+from scipy.spatial.transform import Rotation
 
 from porous_swim.errors import RunError
 from porous_swim.observers import colloids
 from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.recording import LARGE_RECORDING, Recording, recording_size, recording_warning
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.wall import WallField
 
 SWIMMERS, TRAILS = np.arange(1, 25), np.array([2, 7, 11])
 N_FRAMES, PERIOD, TIME_STEP = 60, 50, 0.01
@@ -251,6 +253,32 @@ def test_a_recording_that_would_be_large_is_announced_with_what_to_change():
     assert "261 MB" in warning
     assert "record.swimmers" in warning
     assert recording_size(n_frames=2000, n_swimmers=1900, n_trails=0) < LARGE_RECORDING
+
+
+@pytest.mark.parametrize("normal", [[0.0, -1.0, 0.0], [2.0 / 3.0, -2.0 / 3.0, 1.0 / 3.0]])
+def test_a_wall_is_a_slab_whose_upper_face_is_its_plane_below_the_swimmers(tmp_path: Path, normal: list[float]):
+    dimensions, point = 3 if normal[2] else 2, np.array([5.0, 40.0, 0.0])
+    frames = list(
+        walk(free_space(dimensions=dimensions), n_swimmers=30, n_frames=3, period=PERIOD, time_step=TIME_STEP)
+    )
+    observer = recording(tmp_path / "r.rrd", WallField.through(point, np.array(normal), dimensions))
+    for frame in frames:
+        observer.observe(frame)
+    observer.finish(interrupted=False)
+
+    def last(component: str) -> np.ndarray:
+        return np.array(column(tmp_path / "r.rrd", "/world/colloids", component, static=True)[-1][0])
+
+    turn = Rotation.from_quat(last("Boxes3D:quaternions"))
+    center, half_size = last("Boxes3D:centers"), last("Boxes3D:half_sizes")
+    corners = center + turn.apply(half_size * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T)
+    above = (corners - point) @ normal
+    # single precision of coordinates up to 128
+    assert above.max() == pytest.approx(0.0, abs=1e-5)
+    assert above.min() == pytest.approx(-colloids.WALL_THICKNESS, abs=1e-5)
+    seen = turn.inv().apply(frames[-1].position[SWIMMERS] - center)
+    wide = [0, 1] if dimensions == 3 else [0]
+    assert np.all(np.abs(seen[:, wide]) < half_size[wide])
 
 
 @pytest.mark.parametrize("field", [free_space(), cubic_lattice(cells=2), single_colloid(dimensions=2)])

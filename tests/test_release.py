@@ -39,6 +39,9 @@ FLAT: dict[str, Any] = {
     "obstacles": {"layout": "single", "radius": 3.0, "position": [5, 5]},
     "domain": {"dimensions": 2, "boundary": "periodic", "size": [10, 10]},
 }
+WALL: dict[str, Any] = {
+    "obstacles": {"layout": "wall", "normal": [0, 0, 3], "position": [1, 2, 2]}, "domain": {}
+}  # fmt: skip
 
 
 def released(scene: Scene, contact_height: Any = sphere) -> tuple[ObstacleField, Swimmers]:
@@ -135,6 +138,14 @@ def test_a_parallel_release_lies_along_the_surface(sections: dict[str, Any]) -> 
         assert not np.any(swimmers.director[:, 2])
 
 
+def test_a_parallel_release_at_a_wall_is_over_its_point_with_headings_all_round() -> None:
+    _, swimmers = released(scene_of({"kind": "parallel", "height": 1.5}, **WALL))
+    assert swimmers.position == pytest.approx(np.tile([1.0, 2.0, 3.5], (2000, 1)), abs=1e-15)
+    assert not np.any(swimmers.director[:, 2])
+    angle = np.arctan2(swimmers.director[:, 1], swimmers.director[:, 0])
+    assert kstest(angle / (2.0 * np.pi) + 0.5, "uniform").pvalue > SIGNIFICANCE
+
+
 def test_swimmers_come_from_a_table(tmp_path: Path) -> None:
     (tmp_path / "s.csv").write_text("x,y,z,ex,ey,ez\n0,0,0,0,0,2\n30,0,0,3,4,0\n")
     _, swimmers = released(scene_of({"kind": "file", "path": "s.csv"}, count=2, folder=tmp_path))
@@ -173,6 +184,14 @@ def test_a_bad_table_of_swimmers_is_named(tmp_path: Path, table: str, message: s
         ({"kind": "parallel", "height": 0.9}, {}, "swimmers.release.height: swimmer 0 at"),
         ({"kind": "parallel", "height": 2.0, "colloid": 1}, {},
          "swimmers.release.colloid: expected the index of one of 1 colloids, found 1"),
+        ({"kind": "point", "position": [3, 0, 1.5]}, WALL,
+         "swimmers.release.position: swimmer 0 at (3, 0, 1.5) lies 1.5 too near to the wall: "
+         "expected at least the contact height above its surface"),
+        ({"kind": "beam", "origin": [0, 0, -40], "director": [0, 0, 1], "width": 3}, WALL,
+         "swimmers.release: swimmer 0 at"),
+        ({"kind": "parallel", "height": 2.0, "colloid": 1}, WALL,
+         "swimmers.release.colloid: expected the index of one of 1 colloids, found 1"),
+        ({"kind": "uniform"}, WALL, "swimmers.release: a uniform release needs a periodic box: expected point,"),
         ({"kind": "uniform"}, {"domain": {}}, "swimmers.release: a uniform release needs a periodic box"),
         # the largest hole between touching spheres of radius 2 takes a sphere of (sqrt(2) - 1) 2 = 0.83
         ({"kind": "uniform"}, {"obstacles": {"layout": "fcc", "radius": 2.0, "spacing": 4.0, "cells": [1, 1,
