@@ -5,12 +5,14 @@ Run with `python -m pytest -m vulkan`; Debian's software driver (mesa-vulkan-dri
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from porous_swim.engine import backend
 from porous_swim.engine.probe import drift_of
 from tests.engines import fcc, fingerprint, hexagonal, make_engine, released
 from tests.test_drift import CASES, TOLERANCE, assert_matches, geometry
+from tests.test_wall import at_height, directors, wall
 
 pytestmark = pytest.mark.vulkan
 
@@ -61,3 +63,16 @@ def test_swimmers_and_encounters_are_those_of_the_cpu_to_the_bit():
     assert prints["vulkan"] == prints["cpu"]
     assert counts["vulkan"] == counts["cpu"]
     assert min(counts["cpu"][:3]) > 0
+
+
+def test_swimmers_at_a_wall_are_those_of_the_cpu_to_the_bit():
+    prints = set()
+    for device in ("cpu", "vulkan"):
+        engine = make_engine(
+            wall(3), at_height(1.2, 48, 3), directors(np.linspace(-1.0, 0.1, 48), 3), device=device, time_step=0.04,
+            D=0.05,
+        )  # fmt: skip
+        engine.advance(160)
+        assert engine.counts()[1] > 10
+        prints.add(fingerprint(engine))
+    assert len(prints) == 1

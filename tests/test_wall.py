@@ -86,6 +86,18 @@ def test_drift_is_that_of_the_boundary_condition(hydrodynamics, precision, toler
         assert frame.T @ ours[1][0] == pytest.approx(rate, rel=0, abs=tolerance * max(size / height, 1.0))
 
 
+def test_walls_and_spheres_may_be_asked_for_together_and_without_flow_swimmers_go_straight():
+    offset, e = np.array([[0.0, 1.2, 0.9], [0.0, 6.0, 8.0], [2.0, 0.0, 0.0]]), np.array([0.6, 0.0, 0.8])
+    radius = np.array([math.inf, 5.0, math.inf])
+    velocity, rate = ps.drift(offset, e, radius=radius, dipole_strength=0.8)
+    for i in range(3):
+        alone = ps.drift(offset[i], e, radius=radius[i], dipole_strength=0.8)
+        assert (velocity[i].tolist(), rate[i].tolist()) == (alone[0][0].tolist(), alone[1][0].tolist())
+    velocity, rate = ps.drift(offset, e, radius=math.inf, dipole_strength=0.8, hydrodynamics="none")
+    assert velocity == pytest.approx(np.tile(e, (3, 1)), abs=1e-15)
+    assert not rate.any()
+
+
 @pytest.mark.parametrize("aspect_ratio", [1.0, 0.3])
 def test_drift_and_contact_at_large_spheres_approach_those_at_the_wall_as_one_over_the_radius(aspect_ratio):
     n, pitch = NORMALS[3], 0.4

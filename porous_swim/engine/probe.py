@@ -67,7 +67,7 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
         offset, turned = ((v[rows][:, None] @ axes.mT)[:, 0] for v in (x, e))
         arrays = [on_device(np.array(a, dtype=dtype)) for a in (offset, turned, A[rows])]
         results = [on_device(np.zeros(offset.shape, dtype)) for _ in range(2)]
-        surface: Surface = "plane" if np.isinf(A[rows[0]]) else "sphere"
+        surface: Surface = "plane" if A[rows[0]] == np.inf else "sphere"
         _drift_kernel(HYDRODYNAMICS[hydrodynamics], real, surface)(*arrays, dipole_strength, bretherton, *results)
         velocity[rows], rate[rows] = ((array.to_numpy()[:, None] @ axes)[:, 0] for array in results)
     return velocity, rate
@@ -75,12 +75,12 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
 
 def _by_surface(radius):
     """Indices of the spheres and of the walls, those of the two that occur."""
-    return [rows for rows in (np.flatnonzero(np.isfinite(radius)), np.flatnonzero(np.isinf(radius))) if len(rows)]
+    return [rows for rows in (np.flatnonzero(radius != np.inf), np.flatnonzero(radius == np.inf)) if len(rows)]
 
 
 def _axes(offset, radius):
     """Axes (n, 3, 3) in which the device has offsets (n, 3) of swimmers: those of space, or of the wall below each."""
-    if np.isfinite(radius[0]):
+    if radius[0] != np.inf:
         return np.broadcast_to(np.eye(3), (len(offset), 3, 3))
     return np.stack([wall_axes(x / np.linalg.norm(x), 3) for x in offset])
 
