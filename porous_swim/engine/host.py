@@ -50,7 +50,8 @@ class HostState:
         state.int[Int.COLLOID], state.int[Int.IMAGE : Int.IMAGE + 3] = np.maximum(colloid, 0), image.T
         state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.MATE] = -1, -1, -1
         state.int[Int.EVENT], state.int[Int.SET] = int(Event.LOCATE), law_of
-        offset, director = ((position - state._center(Int.COLLOID, Int.IMAGE)) @ field.axes.T, director @ field.axes.T)
+        offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE))
+        director = field.to_device(director)
         state.real[rows.x : rows.x + d] = offset.T[:d]
         state.real[rows.rest : rows.rest + d] = offset.T[:d] - state.real[rows.x : rows.x + d].astype(np.float64)
         state.real[rows.e : rows.e + d] = director.T[:d]
@@ -62,8 +63,8 @@ class HostState:
         offset, director = np.zeros((2, self.int.shape[1], 3))
         offset[:, :d] = self.real[rows.x : rows.x + d].T.astype(np.float64) + self.real[rows.rest : rows.rest + d].T
         director[:, :d] = self.real[rows.e : rows.e + d].T
-        position = self._center(Int.COLLOID, Int.IMAGE) + offset @ self.field.axes
-        director = director @ self.field.axes
+        position = self._center(Int.COLLOID, Int.IMAGE) + self.field.from_device(offset)
+        director = self.field.from_device(director)
         bound = self.int[Int.PHASE] == int(Phase.BOUND)
         r = position - np.where(
             bound[:, None], self._center(Int.BOUND, Int.BOUND_IMAGE), self._center(Int.COLLOID, Int.IMAGE)

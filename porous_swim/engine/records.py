@@ -113,7 +113,7 @@ class Records:
         x, e = np.zeros_like(center), np.zeros_like(center)
         first_x, first_e = getattr(self._columns, f"{end}_x"), getattr(self._columns, f"{end}_e")
         x[:, :d], e[:, :d] = real[:, first_x : first_x + d], real[:, first_e : first_e + d]
-        x, e = x @ self._field.axes, e @ self._field.axes
+        x, e = self._field.from_device(x), self._field.from_device(e)
         _, sine = self._field.stance(x, e, colloid)
         pitch = np.arcsin(np.clip(sine, -1.0, 1.0))
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -23,7 +23,6 @@ class ObstacleField:
     radii: np.ndarray  # (n_colloids,), a
     box: np.ndarray  # (3,), a; edge lengths, 0 along an axis that does not repeat
     dimensions: int  # 2 or 3
-    axes: np.ndarray = field(default_factory=lambda: np.eye(3))  # (3, 3), rows: the axes of offsets on the device
 
     @property
     def surface(self) -> Surface:
@@ -57,6 +56,14 @@ class ObstacleField:
         centre (m, 3).
         """
         return self._spheres.near(points, height)
+
+    def to_device(self, vectors: np.ndarray) -> np.ndarray:
+        """Return `vectors` (n, 3) of space in the axes in which the device has offsets and directors: the same."""
+        return vectors
+
+    def from_device(self, vectors: np.ndarray) -> np.ndarray:
+        """Return `vectors` (n, 3) of the device in the axes of space."""
+        return vectors
 
     def stance(self, offset: np.ndarray, director: np.ndarray, colloid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return height and sine of the pitch, both (n,), of swimmers at `offset` (n, 3) from `colloid` (n,)."""

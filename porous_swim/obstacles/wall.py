@@ -20,8 +20,10 @@ _KEY = "obstacles"
 class WallField(ObstacleField):
     """One wall in open space: colloid 0, of infinite radius; for its centre stands a point of the wall.
 
-    Of the axes of offsets the last in which swimmers move is its normal.
+    Of the axes of the device the last in which swimmers move is its normal.
     """
+
+    axes: np.ndarray  # (3, 3), rows
 
     @classmethod
     def through(cls, point: np.ndarray, normal: np.ndarray, dimensions: int) -> WallField:
@@ -49,6 +51,14 @@ class WallField(ObstacleField):
         offset = points - self.centers
         low = np.flatnonzero(self._heights(offset) < height)
         return low, np.zeros(len(low), dtype=np.int64), offset[low]
+
+    def to_device(self, vectors: np.ndarray) -> np.ndarray:
+        """Return `vectors` (n, 3) of space in the axes of the device."""
+        return np.asarray(vectors @ self.axes.T)
+
+    def from_device(self, vectors: np.ndarray) -> np.ndarray:
+        """Return `vectors` (n, 3) of the device in the axes of space."""
+        return np.asarray(vectors @ self.axes)
 
     def stance(self, offset: np.ndarray, director: np.ndarray, colloid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return height and sine of the pitch, both (n,), of swimmers at `offset` (n, 3) from the wall's point."""
