@@ -38,7 +38,7 @@ def lift_off_sines(radius, alpha, gamma, *, precision="f64"):
     """Sines (n,) by the engine's function, of rods, needles or spheres as the least gamma and radius ask."""
     real, dtype = REALS[precision]
     shape = shape_of(float(np.min(gamma)), float(np.min(radius)))
-    lift_off_sine = make_lift_off_sine(real, HardContact.make_height(real, shape), shape == "sphere")
+    lift_off_sine = make_lift_off_sine(real, HardContact.make_height(real, shape), shape == "sphere", "sphere")
     Numbers = ti.types.ndarray(real, ndim=1)
 
     @ti.kernel

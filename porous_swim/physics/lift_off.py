@@ -1,7 +1,8 @@
 """The pitch at which a pusher in contact with a colloid starts to leave it: dh/dt = 0 at the height of contact.
 
 With s the sine of the pitch that reads s + K (3 s^2 - 1) = 0, K = 3 alpha A R/(2 H^2), R = A + h and H = h (2 A + h),
-or 3 alpha/(8 h^2) at a plane wall: the image of a force dipole at a no-slip sphere (Soft Matter 11, 3396, Appendix B). Lengths in a.
+or 3 alpha/(8 h^2) at a plane wall: the image of a force dipole at a no-slip surface (Soft Matter 11, 3396,
+Appendix B). Lengths in a.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
