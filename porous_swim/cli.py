@@ -165,6 +165,23 @@ def reproduce(
 
 
 @app.command()
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Groups of figures; all if none is named.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Tiny counts: whether it works, not how fast.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="For machines.")] = False,
+) -> None:
+    """Measure the speed of the engine: ratios to C that does the same job, and to itself. Takes minutes."""
+    import json
+
+    from porous_swim.bench.report import benchmark, plain, text
+
+    found = benchmark(names or [], quick=quick)
+    print(json.dumps(plain(found), indent=2) if json_ else text(found))
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of scene files, for editors."""
     import json

@@ -116,6 +116,11 @@ class Engine:
             self.step += now
             n_steps -= now
 
+    @property
+    def bytes_per_swimmer(self) -> int:
+        """Memory of a swimmer on the device: its state, without colloids and log."""
+        return sum(array.shape[0] * array.to_numpy().itemsize for array in self._swimmers[:3])
+
     def counts(self) -> tuple[int, int, int, int]:
         """Captures, escapes, hops and returns so far, over all swimmers."""
         captures, escapes, hops, returns = self._swimmers.total.to_numpy()[: Total.LOGGED].tolist()

@@ -1,0 +1,69 @@
+"""The engine against itself: precision, noise, number of swimmers, memory. In the fcc lattice, everything on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from porous_swim.bench.figure import Conditions, Figure, Setting, compared
+from porous_swim.bench.job import crystal, lattice
+from porous_swim.bench.timing import take_turns
+from porous_swim.bench.works import Placed
+from porous_swim.scene import Scene
+
+MOST_BYTES = 200
+
+
+def precision(setting: Setting) -> Sequence[Figure]:
+    """Double over single precision."""
+    n = setting.counts.n_swimmers
+    return [_pair(setting, "double over single precision", lattice(n, run__precision="f64"), target=2.2)]
+
+
+def noise(setting: Setting) -> Sequence[Figure]:
+    """Gaussian over uniform increments."""
+    n = setting.counts.n_swimmers
+    return [_pair(setting, "Gaussian over uniform noise", lattice(n, noise__variates="gaussian"), target=2.0)]
+
+
+def _pair(setting: Setting, name: str, scene: Scene, *, target: float) -> Figure:
+    """A changed lattice over the lattice."""
+    counts, n = setting.counts, setting.counts.n_swimmers
+    changed, plain = Placed.of(scene), Placed.of(lattice(n))
+    times = take_turns({"changed": changed.work(counts.n_steps), "plain": plain.work(counts.n_steps)}, counts.rounds)
+    where = Conditions(changed.simulation.scene.precision, 1, n, plain.n_colloids, counts.n_steps, rounds=counts.rounds)
+    return compared(name, times, "changed", "plain", where, target=target)
+
+
+def populations(setting: Setting) -> Sequence[Figure]:
+    """Numbers of swimmers, each over the second; launches of equal length, as many as make equal work."""
+    counts = setting.counts
+    n_steps = max(1, counts.n_steps // 10)
+    most, base = counts.populations[-1], counts.populations[1]
+    placed = {n: Placed.of(lattice(n), settling=n_steps) for n in counts.populations}
+    works = {str(n): one.work(n_steps, launches=max(1, most // n // 10)) for n, one in placed.items()}
+    times = take_turns(works, max(2, counts.rounds // 2))
+    return [
+        compared(
+            f"{n} swimmers over {base}", times, str(n), str(base),
+            Conditions("f32", 1, n, one.n_colloids, n_steps, rounds=max(2, counts.rounds // 2)),
+            target=1.1 if n == most else None,
+        )
+        for n, one in placed.items() if n != base
+    ]  # fmt: skip
+
+
+def memory(setting: Setting) -> Sequence[Figure]:
+    """Bytes on the device for each swimmer, exactly."""
+    n = setting.counts.n_swimmers
+    scenes = [crystal(n), lattice(n), lattice(n, run__precision="f64")]
+    placed = [Placed.of(scene, settling=0).simulation for scene in scenes]
+    return [
+        Figure(
+            f"memory of a swimmer, {one.field.dimensions}-D, {one.scene.precision}",
+            one.engine.bytes_per_swimmer,
+            Conditions(one.scene.precision, 1, n, len(one.field.radii), 0, one.field.dimensions),
+            target=MOST_BYTES if one.scene.precision == "f32" else None,
+            unit="bytes",
+        )
+        for one in placed
+    ]
