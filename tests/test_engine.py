@@ -44,8 +44,8 @@ def test_launches_do_not_change_a_bit(reference, name, pieces):
 @pytest.mark.parametrize("name", FIELDS)
 @pytest.mark.parametrize(
     "options",
-    [dict(chunk=1), dict(chunk=16), dict(lanes=8), dict(lanes=1), dict(threads=2), dict(log_rows=8)],
-    ids=["chunks of 1", "chunks of 16", "8 lanes", "1 lane", "two threads", "a log of 8 rows"],
+    [dict(chunk=1), dict(chunk=16), dict(lanes=16), dict(lanes=1), dict(threads=2), dict(log_rows=8)],
+    ids=["chunks of 1", "chunks of 16", "16 lanes", "1 lane", "two threads", "a log of 8 rows"],
 )
 def test_the_machinery_does_not_change_a_bit(reference, name, options):
     assert advanced(crystal(name, **options)) == reference[name]

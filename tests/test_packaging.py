@@ -30,7 +30,7 @@ def test_a_wheel_holds_every_module_scene_and_the_schema(wheel):
     names = set(wheel.namelist())
     modules = {str(path.relative_to(ROOT)) for path in (ROOT / "porous_swim").rglob("*.py")}
     scenes = {f"porous_swim/{path.relative_to(ROOT)}" for path in (ROOT / "scenes").rglob("*.*")}
-    assert modules | scenes | {"porous_swim/scene.schema.json"} <= names
+    assert modules | scenes | {"porous_swim/scene.schema.json", "porous_swim/bench/swim.c"} <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not any(name.startswith(("tests", "scenes")) for name in names)
 

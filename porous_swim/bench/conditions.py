@@ -26,29 +26,34 @@ def noise(setting: Setting) -> Sequence[Figure]:
 
 
 def _pair(setting: Setting, name: str, scene: Scene, *, target: float) -> Figure:
-    """A changed lattice over the lattice."""
+    """A changed lattice over the lattice; `name` is that of the one, `over`, and that of the other."""
+    left, _, right = name.partition(" over ")
     counts, n = setting.counts, setting.counts.n_swimmers
     changed, plain = Placed.of(scene), Placed.of(lattice(n))
-    times = take_turns({"changed": changed.work(counts.n_steps), "plain": plain.work(counts.n_steps)}, counts.rounds)
+    times = take_turns({left: changed.work(counts.n_steps), right: plain.work(counts.n_steps)}, counts.rounds)
     where = Conditions(changed.simulation.scene.precision, 1, n, plain.n_colloids, counts.n_steps, rounds=counts.rounds)
-    return compared(name, times, "changed", "plain", where, target=target)
+    return compared(name, times, left, right, where, target=target)
 
 
 def populations(setting: Setting) -> Sequence[Figure]:
     """Numbers of swimmers, each over the second; launches of equal length, as many as make equal work."""
     counts = setting.counts
     n_steps = max(1, counts.n_steps // 10)
-    most, base = counts.populations[-1], counts.populations[1]
-    placed = {n: Placed.of(lattice(n), settling=n_steps) for n in counts.populations}
-    works = {str(n): one.work(n_steps, launches=max(1, most // n // 10)) for n, one in placed.items()}
-    times = take_turns(works, max(2, counts.rounds // 2))
+    rounds = max(2, counts.rounds // 2)
+    placed = {f"{n} swimmers": Placed.of(lattice(n), settling=n_steps) for n in counts.populations}
+    names = list(placed)
+    base, most = names[1], names[-1]
+    works = {}
+    for name, n in zip(names, counts.populations, strict=True):
+        works[name] = placed[name].work(n_steps, launches=max(1, counts.populations[-1] // n // 10))
+    times = take_turns(works, rounds)
     return [
         compared(
-            f"{n} swimmers over {base}", times, str(n), str(base),
-            Conditions("f32", 1, n, one.n_colloids, n_steps, rounds=max(2, counts.rounds // 2)),
-            target=1.1 if n == most else None,
+            f"{name} over {base}", times, name, base,
+            Conditions("f32", 1, n, placed[name].n_colloids, n_steps, rounds=rounds),
+            target=1.1 if name == most else None,
         )
-        for n, one in placed.items() if n != base
+        for name, n in zip(names, counts.populations, strict=True) if name != base
     ]  # fmt: skip
 
 

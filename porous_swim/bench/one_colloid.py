@@ -17,7 +17,7 @@ def figures(setting: Setting) -> Sequence[Figure]:
     c = setting.references
     bare = {f"bare, {lanes} lanes": bare_work(n, counts.n_steps, "f32", lanes) for lanes in (1, *BLOCKS[:2])}
     engine = Placed.of(single(n), settling=0)
-    references = {"blocked C": c.blocked, "scalar C": c.scalar, "blocked C, narrow": c.narrow}
+    references = {"blocked C": c.blocked, "narrow C": c.narrow, "scalar C": c.scalar}
     there = {name: made.work(n, counts.n_steps) for name, made in references.items() if made is not None}
     times = take_turns({**bare, "engine": engine.work(counts.n_steps), **there}, counts.rounds)
     one_lane = "bare, 1 lanes"
@@ -29,7 +29,7 @@ def figures(setting: Setting) -> Sequence[Figure]:
 
     return [
         *over("one colloid, no records, over blocked C", ours, "blocked C", 1.15),
-        *over("the same, over blocked C in the vectors that Taichi has", ours, "blocked C, narrow"),
+        *over("the same, over narrow C", ours, "narrow C"),
         *over("the same, over scalar C", ours, "scalar C", 0.35),
         *over("the same, over one lane", ours, one_lane),
         *over("one colloid, everything on, over blocked C", "engine", "blocked C"),

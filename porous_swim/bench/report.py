@@ -43,13 +43,13 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
     wanted = _chosen(names)
     counts = QUICK if quick else Counts()
     load = os.getloadavg()[0]
-    figures: list[Figure] = []
+    figures: dict[str, Sequence[Figure]] = {}
     with tempfile.TemporaryDirectory() as name:
         references = _references(Path(name), counts) if NEED_C & set(wanted) else References()
         setting = Setting(counts, Path(name), references)
         for group in wanted:
             print(f"bench: {group}", file=sys.stderr, flush=True)
-            figures += GROUPS[group](setting)
+            figures[group] = GROUPS[group](setting)
     return {
         "machine": {**_machine(), "load_before": load, "load_after": os.getloadavg()[0]},
         "c": {kind: one and one.name for kind, one in vars(references).items()},
@@ -60,7 +60,7 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
 
 def text(found: dict[str, Any]) -> str:
     """The table, in Markdown, below what it was measured on."""
-    machine, figures = found["machine"], found["figures"]
+    machine, figures = found["machine"], [figure for group in found["figures"].values() for figure in group]
     lines = [
         f"{machine['processor']}, {machine['n_cpus']} CPUs, load {machine['load_before']:.1f} to "
         f"{machine['load_after']:.1f}, {machine['date']}; Taichi {machine['taichi']}; "
@@ -82,7 +82,7 @@ def text(found: dict[str, Any]) -> str:
 
 def plain(found: dict[str, Any]) -> dict[str, Any]:
     """The same for machines."""
-    return {**found, "figures": [figure.as_dict() for figure in found["figures"]]}
+    return {**found, "figures": {name: [one.as_dict() for one in group] for name, group in found["figures"].items()}}
 
 
 def _chosen(names: Sequence[str]) -> list[str]:

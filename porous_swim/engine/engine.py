@@ -22,7 +22,7 @@ from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
 
-LANES = {"f32": 16, "f64": 8}  # on a CPU; a thread of a GPU is one lane
+LANES = 8  # on a CPU; a thread of a GPU is one lane
 CHUNK = 4  # steps between looks at events
 LOG_ROWS = 8192
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
@@ -84,7 +84,7 @@ class Engine:
         self._news: list[Ended] = []
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
-        self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
+        self.lanes = lanes or (LANES if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
         self._n_blocks = -(-self.n_swimmers // (self.lanes * group)) * group
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
