@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import taichi as ti
+from taichi.lang.util import to_numpy_type
 
 from porous_swim.engine.advance import Structure, make_advance
 from porous_swim.engine.backend import Backend
@@ -15,6 +16,7 @@ from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.records import Ended, Records
 from porous_swim.engine.state import Event, Int, Status, Total
 from porous_swim.engine.swimmers import Rules, Swimmers
+from porous_swim.engine.transfer import on_host
 from porous_swim.errors import DeviceError, RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
@@ -119,7 +121,7 @@ class Engine:
     @property
     def bytes_per_swimmer(self) -> int:
         """Memory of a swimmer on the device: its state, without colloids and log."""
-        return sum(array.shape[0] * array.to_numpy().itemsize for array in self._swimmers[:3])
+        return sum(array.shape[0] * to_numpy_type(array.dtype)().itemsize for array in self._swimmers[:3])
 
     def counts(self) -> tuple[int, int, int, int]:
         """Captures, escapes, hops and returns so far, over all swimmers."""
@@ -202,13 +204,13 @@ class Engine:
         """Take the rows of the log to the host."""
         n = min(self._logged, self._log_rows)
         if n > 0:
-            self._news.append(self._records.add(*(array.to_numpy()[:n] for array in self._log)))
+            self._news.append(self._records.add(*(on_host(array, n) for array in self._log)))
             total = self._swimmers.total.to_numpy()
             total[Total.LOGGED] = self._logged = 0
             self._swimmers.total.from_numpy(total)
 
     def _host(self) -> HostState:
-        return HostState(self._field, *(array.to_numpy() for array in self._swimmers[:3]))
+        return HostState(self._field, *(on_host(array) for array in self._swimmers[:3]))
 
     def _complaint(self) -> RunError:
         """The sentence about the first swimmer that cannot go on."""

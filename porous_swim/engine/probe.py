@@ -121,6 +121,8 @@ def height_at_sine(sine, radius, *, aspect_ratio):
     """The same, at sines of the pitch; broadcast with `radius`, above 0."""
     if not 0.0 < aspect_ratio <= 1.0:
         raise ValueError(f"aspect_ratio: expected 0 < gamma <= 1, found {aspect_ratio!r}")
+    if aspect_ratio == 1.0:  # at every frame: worth no launch
+        return np.ones(np.broadcast_shapes(np.shape(sine), np.shape(radius)))
     backend.ensure_any()
     s, A = np.broadcast_arrays(np.asarray(sine, dtype=np.float64), np.asarray(radius, dtype=np.float64))
     height = np.zeros(s.size)
