@@ -175,10 +175,10 @@ def bench(
     """Measure the speed of the engine: ratios to C that does the same job, and to itself. Takes minutes."""
     import json
 
-    from porous_swim.bench.report import benchmark, plain, text
+    from porous_swim.bench.report import benchmark, text
 
     found = benchmark(names or [], quick=quick)
-    print(json.dumps(plain(found), indent=2) if json_ else text(found))
+    print(json.dumps(found, indent=2) if json_ else text(found))
 
 
 @app.command()

@@ -70,11 +70,6 @@ class Figure:
             return ""
         return "met" if (self.value >= self.target if self.at_least else self.value <= self.target) else "missed"
 
-    @property
-    def target_text(self) -> str:
-        """The target with its sign."""
-        return "" if self.target is None else f"{'>=' if self.at_least else '<='} {self.target:g}"
-
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for machines."""
         return {**asdict(self), "verdict": self.verdict}

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from porous_swim.bench import conditions, fields, one_colloid, peers, recording, threads
-from porous_swim.bench.figure import QUICK, Counts, Figure, Group, Setting
+from porous_swim.bench.figure import QUICK, Counts, Group, Setting
 from porous_swim.bench.reference import References, compilers
 from porous_swim.errors import SceneError
 
@@ -35,7 +35,7 @@ HEADER = ("figure", "value", "quartiles", "target", "", "ns per swimmer-step", "
 
 
 def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
-    """Measure the groups `names`, all where none is named; tells on stderr how far it is.
+    """Measure the groups `names`, all where none is named; tells on stderr how far it is. Plain data, for JSON.
 
     Raises:
         SceneError: there is no such group.
@@ -43,13 +43,13 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
     wanted = _chosen(names)
     counts = QUICK if quick else Counts()
     load = os.getloadavg()[0]
-    figures: dict[str, Sequence[Figure]] = {}
+    figures: dict[str, list[dict[str, Any]]] = {}
     with tempfile.TemporaryDirectory() as name:
         references = _references(Path(name), counts) if NEED_C & set(wanted) else References()
         setting = Setting(counts, Path(name), references)
         for group in wanted:
             print(f"bench: {group}", file=sys.stderr, flush=True)
-            figures[group] = GROUPS[group](setting)
+            figures[group] = [figure.as_dict() for figure in GROUPS[group](setting)]
     return {
         "machine": {**_machine(), "load_before": load, "load_after": os.getloadavg()[0]},
         "c": {kind: one and one.name for kind, one in vars(references).items()},
@@ -59,7 +59,7 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
 
 
 def text(found: dict[str, Any]) -> str:
-    """The table, in Markdown, below what it was measured on."""
+    """The table, in Markdown, below what it was measured on; `found` is from `benchmark`, or from its JSON."""
     machine, figures = found["machine"], [figure for group in found["figures"].values() for figure in group]
     lines = [
         f"{machine['processor']}, {machine['n_cpus']} CPUs, load {machine['load_before']:.1f} to "
@@ -74,15 +74,10 @@ def text(found: dict[str, Any]) -> str:
         "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
     ]
     rule = "|" + "|".join("-" * (width + 2) for width in widths) + "|"
-    n_missed = sum(figure.verdict == "missed" for figure in figures)
-    n_met = sum(figure.verdict == "met" for figure in figures)
+    n_missed = sum(figure["verdict"] == "missed" for figure in figures)
+    n_met = sum(figure["verdict"] == "met" for figure in figures)
     end = "tiny counts: nothing here is a speed" if found["quick"] else f"{n_met} targets met, {n_missed} missed"
     return "\n".join([*lines, table[0], rule, *table[1:], "", end])
-
-
-def plain(found: dict[str, Any]) -> dict[str, Any]:
-    """The same for machines."""
-    return {**found, "figures": {name: [one.as_dict() for one in group] for name, group in found["figures"].items()}}
 
 
 def _chosen(names: Sequence[str]) -> list[str]:
@@ -96,9 +91,7 @@ def _chosen(names: Sequence[str]) -> list[str]:
 
 def _references(folder: Path, counts: Counts) -> References:
     """C, or one line that says why there is none."""
-    references = References.build(
-        folder, n_swimmers=counts.n_swimmers, n_steps=max(1, counts.n_steps // 4), rounds=counts.rounds
-    )
+    references = References.build(folder, n_swimmers=counts.n_swimmers, n_steps=counts.n_steps, rounds=counts.rounds)
     if references.blocked is None:
         print("bench: no C compiler (clang or gcc) that works was found: ratios to C are left out", file=sys.stderr)
     return references
@@ -126,12 +119,17 @@ def _processor() -> str:
     return ", ".join(filter(None, (facts.get("model name", platform.machine()), kind, vectors)))
 
 
-def _row(figure: Figure) -> tuple[str, ...]:
-    where = figure.conditions
-    value = f"{figure.value:.0f} bytes" if figure.unit == "bytes" else f"{figure.value:.3f}"
-    spread = "" if figure.quartiles is None else "{:.3f} to {:.3f}".format(*figure.quartiles)
-    times = ", ".join(f"{name} {taken:.1f}" for name, taken in figure.nanoseconds.items())
-    what = f"{where.dimensions}-D {where.precision}, {where.threads} thread{'s' if where.threads > 1 else ''}, "
-    what += f"{where.n_swimmers} swimmers, {where.n_colloids} colloid{'s' if where.n_colloids > 1 else ''}"
-    what += f", {where.rounds} x {where.n_steps} steps" if where.n_steps else ""
-    return figure.name, value, spread, figure.target_text, figure.verdict, times, what
+def _row(figure: dict[str, Any]) -> tuple[str, ...]:
+    where, target = figure["conditions"], figure["target"]
+    value = f"{figure['value']:.0f} bytes" if figure["unit"] == "bytes" else f"{figure['value']:.3f}"
+    spread = "" if figure["quartiles"] is None else "{:.3f} to {:.3f}".format(*figure["quartiles"])
+    bound = "" if target is None else f"{'>=' if figure['at_least'] else '<='} {target:g}"
+    times = ", ".join(f"{name} {taken:.1f}" for name, taken in figure["nanoseconds"].items())
+    what = f"{where['dimensions']}-D {where['precision']}, {_many(where['threads'], 'thread')}, "
+    what += f"{_many(where['n_swimmers'], 'swimmer')}, {_many(where['n_colloids'], 'colloid')}"
+    what += f", {where['rounds']} x {where['n_steps']} steps" if where["n_steps"] else ""
+    return figure["name"], value, spread, bound, figure["verdict"], times, what
+
+
+def _many(n: int, thing: str) -> str:
+    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
