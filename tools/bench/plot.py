@@ -43,7 +43,7 @@ def draw(found: dict[str, Any], path: Path) -> None:
     programs.set(xscale="log", xlabel="ns per swimmer-step, one thread", xlim=(3, 400))
     for axes, group, label in ((swimmers, "swimmers", "swimmers"), (colloids, "colloids", "colloids")):
         axes.plot(*curve(figures[group]), "o-", color="tab:blue")
-        axes.set(xscale="log", xlabel=f"number of {label}", ylabel="ns per swimmer-step", ylim=(0, None))
+        axes.set(xscale="log", xlabel=f"number of {label}", ylabel="ns per swimmer-step", ylim=(0, 30))
     swimmers.set_title("fcc lattice, 864 colloids")
     colloids.set_title("fcc lattice, 2048 swimmers")
     picture.savefig(path, dpi=120)
