@@ -8,6 +8,7 @@ import pytest
 import porous_swim as ps
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
+from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.engines import field_of, make_engine, released
 
 F32_ROUNDING = 2e-6  # a; one unit in the last place of an offset of 16 to 32
@@ -186,3 +187,17 @@ def test_a_single_colloid_in_a_long_channel_is_indexed():
     now = engine.snapshot()
     held = np.linalg.norm(now.position - now.image * field.box, axis=1) - 1.0
     assert held == pytest.approx(field.nearest(now.position)[2], abs=TIE)
+
+
+def test_a_swimmer_that_leaves_and_touches_in_one_step_is_with_the_colloid_it_touched_last():
+    # along x past the first colloid (from contact at x = 0; height 1.5 above it at x = 1.5), it grazes the second
+    # near x = 1 and strikes the third in the step to x = 1.6, still within reach of the second
+    field = field_of([[0.0, -2.0, 0.0], [1.0, 1.999, 0.0], [3.55, 0.0, 0.0]], 1.0, dimensions=2)
+    engine = make_engine(
+        field, [[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]], alpha=0.0, D=0.0, time_step=0.2, hydrodynamics=NoHydrodynamics,
+        precision="f64", integrator="euler",
+    )  # fmt: skip
+    engine.advance(10)
+    rows = engine.encounters()
+    assert rows["colloid"].tolist() == [0, 2]
+    assert rows["end_time"][0] == rows["start_time"][1] == pytest.approx(1.6)

@@ -138,8 +138,9 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
         event, phase = n[Int.EVENT, j], n[Int.PHASE, j]
         step = rules.first + n[Int.STEP, j]
         escaped = (event & int(Event.ESCAPE)) != 0
-        passed = (event & int(Event.PITCH)) != 0
-        if passed & (phase == int(Phase.BOUND)):
+        passed, struck = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0
+        bound = phase == int(Phase.BOUND)
+        if passed & bound:
             swimmers.long[int(Long.PITCH), i] = step
             f[rows.pitch_clock, j] = f[rows.clock, j]
         late = passed & (phase == int(Phase.LEFT))
@@ -149,6 +150,10 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
         if written:
             n[Int.EVENT, j] = int(Event.ORIENT)
             target, target_image = -1, ivec3(0)
+            k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
+            if struck & bound:  # noted before an escape in the same step: the last touched is where the next one begins
+                swimmers.int[int(Int.TOUCHED), i] = k
+                put_image(swimmers, int(Int.TOUCHED_IMAGE), i, image)
             if late:
                 swimmers.long[int(Long.PITCH), i] = step
                 phase = int(Phase.FREE)
@@ -161,13 +166,8 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
                     target_image = image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
                 swimmers.int[int(Int.TOUCHED), i] = -1
             n[Int.PHASE, j] = phase
-            if ((event & int(Event.CONTACT)) != 0) & (target < 0):
-                k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
-                if phase == int(Phase.BOUND):
-                    swimmers.int[int(Int.TOUCHED), i] = k
-                    put_image(swimmers, int(Int.TOUCHED_IMAGE), i, image)
-                else:
-                    target, target_image = k, image
+            if struck & (not bound):
+                target, target_image = k, image
             if target >= 0:
                 capture(f, n, j, i, swimmers, medium, rules, target, target_image)
 
