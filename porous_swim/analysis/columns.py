@@ -16,6 +16,11 @@ def vectors(table: pa.Table, *names: str) -> np.ndarray:
     return np.stack([column(table, name) for name in names], axis=1)
 
 
+def time_order(encounters: pa.Table) -> np.ndarray:
+    """Rows, (n_rows,), swimmer by swimmer, each in order of time (the order of equal times is kept)."""
+    return np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))
+
+
 def in_order(encounters: pa.Table) -> pa.Table:
-    """The encounters swimmer by swimmer, each in order of time (the order of equal times is kept)."""
-    return encounters.take(pa.array(np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))))
+    """The encounters in `time_order`."""
+    return encounters.take(pa.array(time_order(encounters)))

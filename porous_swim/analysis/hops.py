@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
-from scipy.spatial import cKDTree
 
 from porous_swim.analysis.columns import column, in_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
-from porous_swim.analysis.survival import WaitingTimes, waiting_times
+from porous_swim.analysis.lifetimes import Lifetimes
+from porous_swim.analysis.places import SAME_DISTANCE, centers_of, neighbour_distances
+from porous_swim.analysis.residence import residence_lengths
+from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.results import TableInfo
 
 
@@ -30,6 +32,7 @@ class Moves:
     end_time: np.ndarray  # (n,) a/U, of the encounter that is left
     start_time: np.ndarray  # (n,) a/U, of the encounter that is entered
     displacement: np.ndarray  # (n, 3) a, from exit to entry, unwrapped
+    residence: np.ndarray  # (n,) a/U, length of the encounter that is left; NaN where its start was not seen
 
     def __len__(self) -> int:
         """Number of moves."""
@@ -65,38 +68,46 @@ def moves(encounters: pa.Table) -> Moves:
         end_time=column(ordered, "end_time")[last],
         start_time=column(ordered, "start_time")[following],
         displacement=entry[following] - exit_[last],
+        residence=np.where(column(ordered, "start_censored"), np.nan, residence_lengths(ordered))[last],
     )
 
 
 def hops(encounters: pa.Table) -> Moves:
     """Moves to a different colloid or to another image of the same one."""
     every = moves(encounters)
-    return every.select(~_same_colloid(every))
+    return every.select(~same_colloid(every))
 
 
 def returns(encounters: pa.Table) -> Moves:
     """Moves back to the colloid that was left."""
     every = moves(encounters)
-    return every.select(_same_colloid(every))
+    return every.select(same_colloid(every))
 
 
-def _same_colloid(every: Moves) -> np.ndarray:
+def same_colloid(every: Moves) -> np.ndarray:
+    """Which moves, (n,), lead back to the image of the colloid that was left."""
     return (every.from_colloid == every.to_colloid) & np.all(every.from_image == every.to_image, axis=1)
 
 
-def flights(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
-    """Times from the end of an encounter to the swimmer's next one.
+def flight_lifetimes(encounters: pa.Table) -> Lifetimes:
+    """Times from the end of each encounter that ended to the swimmer's next one, swimmer by swimmer.
 
     A flight under way at the end of the run is censored; the time from the release to the first encounter
     is no flight. The table needs its `TableInfo`.
     """
     ordered = in_order(encounters)
     swimmer, end = column(ordered, "swimmer"), column(ordered, "end_time")
-    until = np.full(len(end), TableInfo.of(encounters).last_time)
+    last_time = TableInfo.of(encounters).last_time
+    until = np.full(len(end), last_time)
     followed = np.append(swimmer[1:] == swimmer[:-1], False)[: len(end)]
     until[followed] = column(ordered, "start_time")[1:][followed[:-1]]
-    left = ~column(ordered, "end_censored")
-    return waiting_times((until - end)[left], ended=followed[left], swimmer=swimmer[left], horizon=horizon)
+    every = Lifetimes(until - end, followed, np.ones(len(end), bool), last_time - end, swimmer)
+    return every.select(~column(ordered, "end_censored"))
+
+
+def flights(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+    """Mean times between encounters: see `flight_lifetimes`."""
+    return flight_lifetimes(encounters).summary(horizon=horizon)
 
 
 @dataclass(frozen=True)
@@ -121,11 +132,10 @@ def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
     """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`."""
     info = TableInfo.of(encounters)
     every = moves(encounters)
-    same = _same_colloid(every)
+    same = same_colloid(every)
     hopped, returned = every.select(~same), every.select(same)
     length = hop_lengths(hopped, colloids, box=info.box)
-    # Centres are kept in fixed point: neighbours of a lattice are at one distance only up to rounding.
-    nearest = length <= 1.0001 * _nearest_distances(colloids, box=info.box)[hopped.from_colloid]
+    nearest = length <= SAME_DISTANCE * neighbour_distances(colloids, box=info.box)[0][hopped.from_colloid]
     swimmers = Swimmers.of(hopped.swimmer)
     counts = swimmers.sums(np.ones(len(hopped)))
 
@@ -144,9 +154,14 @@ def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
 
 def hop_lengths(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
     """Distance between the centres of the two colloids of each move, (n,), a."""
-    centers = _centers(colloids)
+    return np.linalg.norm(hop_vectors(hopped, colloids, box=box), axis=1)
+
+
+def hop_vectors(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
+    """From the centre of the colloid that is left to that of the one entered, (n, 3), a, over periodic images."""
+    centers = centers_of(colloids)
     unwrapped = (hopped.to_image - hopped.from_image) * np.asarray(box)
-    return np.linalg.norm(centers[hopped.to_colloid] - centers[hopped.from_colloid] + unwrapped, axis=1)
+    return np.asarray(centers[hopped.to_colloid] - centers[hopped.from_colloid] + unwrapped)
 
 
 def _rate(counted: Moves, info: TableInfo) -> Estimate:
@@ -155,22 +170,3 @@ def _rate(counted: Moves, info: TableInfo) -> Estimate:
     counts = Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))
     value, error = mean_over_swimmers(counts / info.duration, n_swimmers=info.n_swimmers)
     return Estimate(value, error, len(counted), 0, "U/a")
-
-
-def _centers(colloids: pa.Table) -> np.ndarray:
-    """Centres by colloid number, (n_colloids, 3); the rows may come in any order."""
-    return vectors(colloids, "x", "y", "z")[np.argsort(column(colloids, "colloid"))]
-
-
-def _nearest_distances(colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
-    """Distance from each centre to the nearest other one, periodic images included, (n_colloids,)."""
-    edges = np.asarray(box)
-    repeats = edges > 0.0
-    own_image = float(np.min(edges[repeats])) if repeats.any() else np.inf
-    centers = _centers(colloids)
-    if len(centers) < 2:
-        return np.full(len(centers), own_image)
-    centers[:, repeats] %= edges[repeats]
-    centers[:, repeats] = np.where(centers[:, repeats] < edges[repeats], centers[:, repeats], 0.0)
-    distance = np.asarray(cKDTree(centers, boxsize=edges).query(centers, k=[2])[0])
-    return np.minimum(distance[:, 0], own_image)

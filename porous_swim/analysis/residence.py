@@ -8,9 +8,10 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, in_order
+from porous_swim.analysis.columns import column, time_order
 from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
-from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes, survival_curve, waiting_times
+from porous_swim.analysis.lifetimes import Lifetimes
+from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes
 from porous_swim.results import TableInfo
 
 
@@ -19,43 +20,60 @@ def residence_lengths(encounters: pa.Table) -> np.ndarray:
     return column(encounters, "end_time") - column(encounters, "start_time")
 
 
+def residence_lifetimes(encounters: pa.Table) -> Lifetimes:
+    """Lengths of the encounters with what was seen of them, row by row. The table needs its `TableInfo`."""
+    return Lifetimes(
+        length=residence_lengths(encounters),
+        ended=~column(encounters, "end_censored"),
+        start_seen=~column(encounters, "start_censored"),
+        limit=TableInfo.of(encounters).last_time - column(encounters, "start_time"),
+        swimmer=column(encounters, "swimmer"),
+    )
+
+
 def residence_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
     """Residence (trapping) times: the lengths of the encounters, censored ones taken into account.
 
     Encounters that were under way when the table starts add time to `mean` and stay out of the rest.
     `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter.
     """
-    return waiting_times(
-        residence_lengths(encounters),
-        ended=~column(encounters, "end_censored"),
-        swimmer=column(encounters, "swimmer"),
-        start_seen=~column(encounters, "start_censored"),
-        horizon=horizon,
-    )
+    return residence_lifetimes(encounters).summary(horizon=horizon)
 
 
 def residence_survival(encounters: pa.Table) -> SurvivalCurve:
     """Probability that an encounter lasts longer than a time; only encounters whose start was seen."""
-    seen, ended = ~column(encounters, "start_censored"), ~column(encounters, "end_censored")
-    return survival_curve(residence_lengths(encounters)[seen], ended=ended[seen])
+    return residence_lifetimes(encounters).survival()
+
+
+def escape_pitch_lifetimes(encounters: pa.Table) -> Lifetimes:
+    """Times from the start of each encounter until the pitch first exceeds `encounter.escape_pitch`, row by row.
+
+    Where it did not come, the sample is censored at the swimmer's next encounter or at the end of the run.
+    The table needs its `TableInfo`.
+    """
+    order = time_order(encounters)
+    start, swimmer = column(encounters, "start_time"), column(encounters, "swimmer")
+    given_up = np.full(len(start), TableInfo.of(encounters).last_time)
+    followed = np.flatnonzero(swimmer[order][1:] == swimmer[order][:-1])
+    given_up[order[followed]] = start[order[followed + 1]]
+    passage = column(encounters, "escape_pitch_time")
+    came = ~np.isnan(passage)
+    return Lifetimes(
+        length=np.where(came, passage, given_up) - start,
+        ended=came,
+        start_seen=~column(encounters, "start_censored"),
+        limit=given_up - start,
+        swimmer=swimmer,
+    )
 
 
 def escape_pitch_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
     """Time from the start of an encounter until the pitch first exceeds `encounter.escape_pitch`.
 
-    Where it did not come, the sample is censored at the swimmer's next encounter or at the end of the run.
-    Encounters whose start was not seen are left out. The table needs its `TableInfo`.
+    See `escape_pitch_lifetimes`; encounters whose start was not seen are left out.
     """
-    ordered = in_order(encounters)
-    start, swimmer = column(ordered, "start_time"), column(ordered, "swimmer")
-    passage = column(ordered, "escape_pitch_time")
-    given_up = np.full(len(start), TableInfo.of(encounters).last_time)
-    followed = np.flatnonzero(swimmer[1:] == swimmer[:-1])
-    given_up[followed] = start[followed + 1]
-    came = ~np.isnan(passage)
-    length = np.where(came, passage, given_up) - start
-    seen = ~column(ordered, "start_censored")
-    return waiting_times(length[seen], ended=came[seen], swimmer=swimmer[seen], horizon=horizon)
+    passages = escape_pitch_lifetimes(encounters)
+    return passages.select(passages.start_seen).summary(horizon=horizon)
 
 
 def bound_fraction(encounters: pa.Table) -> Estimate:

@@ -1,0 +1,130 @@
+"""Averages over all pairs of frames a lag apart, swimmer by swimmer. Lengths in a, times in a/U.
+
+They use every frame as a start, and so are the more precise, where the ensemble does not change in time; `msd` and
+`director_correlation` start from the release alone. The swimmers are the independent samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.transport import Tracks, tracks
+from porous_swim.errors import ResultsError
+
+N_LAGS = 30  # by default, in geometric order
+LONGEST = 0.5  # of the run: beyond, starts share so much of their way that they add nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Lags:
+    """A time-averaged quantity against lag."""
+
+    lag: np.ndarray  # (n_lags,) a/U
+    each: np.ndarray  # (n_lags, n_swimmers), averages over one swimmer's starts
+
+    @property
+    def n(self) -> int:
+        """Swimmers."""
+        return self.each.shape[1]
+
+    @property
+    def value(self) -> np.ndarray:
+        """Mean over swimmers, (n_lags,)."""
+        return np.mean(self.each, axis=1) if self.n else np.full(len(self.lag), math.nan)
+
+    @property
+    def standard_error(self) -> np.ndarray:
+        """Of `value`, (n_lags,): the jackknife over swimmers, which for a mean is the usual one."""
+        return error_of_mean(self.each)
+
+
+def error_of_mean(each: np.ndarray) -> np.ndarray:
+    """Standard error of the mean over the second axis of (n_lags, n_swimmers); NaN for fewer than two swimmers."""
+    n = each.shape[1]
+    if n < 2:
+        return np.full(each.shape[0], math.nan)
+    return np.asarray(np.std(each, axis=1, ddof=1) / math.sqrt(n))
+
+
+def time_averaged_msd(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+    """Mean squared displacement against lag, a^2. See `lag_averages` for `lags`."""
+    return lag_averages(even_frames(trajectory), lambda step, before, after: np.sum(step**2, axis=2), lags=lags)
+
+
+def time_averaged_director_correlation(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+    """Mean of e(t + lag).e(t). See `lag_averages` for `lags`."""
+    return lag_averages(even_frames(trajectory), lambda step, before, after: np.sum(before * after, axis=2), lags=lags)
+
+
+def straightness(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+    """Mean |displacement|/lag, in U: 1 for a swimmer that goes straight. See `lag_averages` for `lags`."""
+    found = lag_averages(even_frames(trajectory), lambda step, before, after: np.linalg.norm(step, axis=2), lags=lags)
+    return Lags(found.lag, found.each / found.lag[:, None])
+
+
+def even_frames(trajectory: pa.Table) -> Tracks:
+    """The recorded swimmers at equal intervals; a last frame that comes early (the end of a run) is left out.
+
+    Raises:
+        ResultsError: other frames are not at equal intervals.
+    """
+    recorded = tracks(trajectory)
+    interval = np.diff(recorded.time)
+    if len(interval) > 1 and interval[-1] < interval[0] * (1.0 - 1e-6):
+        recorded = Tracks(recorded.time[:-1], recorded.swimmer, recorded.position[:-1], recorded.director[:-1])
+        interval = interval[:-1]
+    if len(interval) and np.ptp(interval) > 1e-6 * interval[0]:
+        raise ResultsError(
+            f"trajectory: found frames {np.min(interval):g} to {np.max(interval):g} a/U apart; "
+            "lags need equal intervals"
+        )
+    return recorded
+
+
+def lag_averages(
+    recorded: Tracks,
+    quantity: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+    *,
+    lags: np.ndarray | None = None,
+) -> Lags:
+    """Average over starts a quantity of displacements, directors before and after, (n_starts, n_swimmers, 3) each.
+
+    `lags` (n_lags,), in a/U, are whole numbers of frames above 0; by default 30 in geometric order up to half of
+    the run.
+    """
+    frames = _whole_frames(recorded, lags)
+    each = np.empty((len(frames), len(recorded.swimmer)))
+    for i, n in enumerate(frames):
+        step = recorded.position[n:] - recorded.position[:-n]
+        each[i] = np.mean(quantity(step, recorded.director[:-n], recorded.director[n:]), axis=0)
+    interval = recorded.time[1] - recorded.time[0] if len(recorded.time) > 1 else 0.0
+    return Lags(frames * interval, each)
+
+
+def geometric_frames(first: int, last: int, n: int) -> np.ndarray:
+    """Up to `n` whole numbers from `first` to `last`, evenly spaced in their logarithm."""
+    if last < first or first < 1:
+        return np.zeros(0, int)
+    return np.unique(np.rint(np.geomspace(first, last, n)).astype(int))
+
+
+def _whole_frames(recorded: Tracks, lags: np.ndarray | None) -> np.ndarray:
+    n_frames = len(recorded.time)
+    if lags is None:
+        return geometric_frames(1, int(LONGEST * (n_frames - 1)), N_LAGS)
+    if n_frames < 2:
+        raise ResultsError(f"trajectory: found {n_frames} frames; a lag needs two")
+    interval = recorded.time[1] - recorded.time[0]
+    frames = np.rint(np.asarray(lags) / interval).astype(int)
+    wrong = (np.abs(frames * interval - lags) > 1e-6 * interval) | (frames < 1) | (frames >= n_frames)
+    if np.any(wrong):
+        raise ResultsError(
+            f"lags: found {np.asarray(lags)[wrong][0]:g} a/U, allowed are multiples of {interval:g} "
+            f"up to {interval * (n_frames - 1):g}"
+        )
+    return frames

@@ -1,0 +1,45 @@
+"""How far swimmers keep their direction. Lengths in a, times in a/U."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.estimates import Estimate
+from porous_swim.analysis.lagged import Lags, even_frames, lag_averages
+
+
+@dataclass(frozen=True)
+class Persistence:
+    """Persistence length: mean displacement along the first director, once the director has forgotten it."""
+
+    length: Estimate
+    """U/((d - 1) D_r) for a free swimmer in d dimensions."""
+    lag: float  # a/U, where it is read
+    reached: bool
+    """False where the run is too short for the correlation of directors to vanish: `length` is then too small."""
+    projection: Lags
+    """Mean displacement along the first director against lag, a."""
+    correlation: Lags
+    """Mean of e(t + lag).e(t)."""
+
+
+def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Persistence:
+    """Project displacements on the director at their start, as far as the first lag at which that is forgotten.
+
+    That is the first lag at which the correlation of directors is less than two standard errors above 0. See
+    `lag_averages` for `lags`.
+    """
+    recorded = even_frames(trajectory)
+    projection = lag_averages(recorded, lambda step, before, after: np.sum(step * before, axis=2), lags=lags)
+    correlation = lag_averages(recorded, lambda step, before, after: np.sum(before * after, axis=2), lags=lags)
+    forgotten = np.flatnonzero(correlation.value < 2.0 * correlation.standard_error)
+    if len(projection.lag) == 0:
+        return Persistence(Estimate(math.nan, math.nan, 0, 0, "a"), math.nan, False, projection, correlation)
+    at = int(forgotten[0]) if len(forgotten) else len(projection.lag) - 1
+    value, error = float(projection.value[at]), float(projection.standard_error[at])
+    length = Estimate(value, error, projection.n, 0, "a")
+    return Persistence(length, float(projection.lag[at]), len(forgotten) > 0, projection, correlation)
