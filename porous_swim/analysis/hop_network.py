@@ -36,8 +36,8 @@ def hop_counts(hops: pa.Table) -> pa.Table:
 
 def _links(hops: pa.Table, ends: tuple[str, ...], kept: tuple[str, ...]) -> pa.Table:
     keys = vectors(hops, *ends)
-    links, first, link = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    link = link.reshape(-1)
+    first, link = _numbered(keys)
+    links = keys[first]
     _, source_of_link = np.unique(links[:, 0], return_inverse=True)  # links are sorted by the colloid left
     source = source_of_link.reshape(-1)[link]
     count, leaving = np.bincount(link, minlength=len(links)), np.bincount(source)
@@ -47,6 +47,20 @@ def _links(hops: pa.Table, ends: tuple[str, ...], kept: tuple[str, ...]) -> pa.T
     columns |= {name: hops.column(name).take(pa.array(first)) for name in kept}
     columns |= {"n_hops": pa.array(count), "probability": pa.array(probability)}
     return pa.table({**columns, "standard_error": pa.array(error, from_pandas=True)})
+
+
+def _numbered(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First row of each distinct row of keys (n, k), in order, and the number of each row's among those, (n,).
+
+    As np.unique along an axis, which compares rows byte by byte and takes ten times as long.
+    """
+    number = first = np.zeros(len(keys), np.int64)
+    for key in keys.T:
+        _, own = np.unique(key, return_inverse=True)
+        paired = number * (int(own.max(initial=0)) + 1) + own.reshape(-1)
+        _, first, number = np.unique(paired, return_index=True, return_inverse=True)
+        number = number.reshape(-1)
+    return first, number
 
 
 def _error_of_shares(
