@@ -138,7 +138,7 @@ def test_one_colloid_in_a_box_has_hops_over_images() -> None:
 def test_neighbour_distances_of_lattices_are_those_of_textbooks(
     basis: list, box: tuple, nearest: float, second: float
 ) -> None:
-    colloids = synthetic.colloids(synthetic.info(), np.array(basis, float) + [0.3, -0.1, 0.0])
+    colloids = synthetic.colloids(synthetic.info(), np.array(basis, float) + np.array([0.3, -0.1, 0.0]))
     first, then = neighbour_distances(colloids, box=tuple(map(float, box)))
     assert first == pytest.approx(np.full(len(basis), nearest), rel=1e-12)
     assert then == pytest.approx(np.full(len(basis), second), rel=1e-12)

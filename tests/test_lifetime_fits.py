@@ -46,9 +46,7 @@ TRUE = {
 
 def test_the_exponential_fit_of_the_leukaemia_remissions_is_that_of_lifelines() -> None:
     length, ended = np.array(REMISSION["length"], float), np.array(REMISSION["ended"])
-    fit = fit_lifetimes(
-        Lifetimes(length, ended, np.ones(21, bool), np.full(21, np.inf), np.arange(21)), "exponential"
-    )
+    fit = fit_lifetimes(Lifetimes(length, ended, np.ones(21, bool), np.full(21, np.inf), np.arange(21)), "exponential")
     known = REMISSION["exponential"]
     assert fit.parameters["mean"].value == pytest.approx(359.0 / 9.0, rel=1e-14)
     assert fit.parameters["mean"].value == pytest.approx(known["mean"], rel=1e-6)  # theirs is a search
@@ -76,7 +74,9 @@ def test_the_inverse_gaussian_fit_of_cut_lengths_is_that_of_scipy_and_recovers_t
     # Both are searches that stop where the likelihood is flat: 1e-4 of a parameter changes it by less than 1e-4.
     assert fit.parameters["mean"].value == pytest.approx(ratio * shape, rel=1e-4)
     assert fit.parameters["shape"].value == pytest.approx(shape, rel=1e-4)
-    law = stats.invgauss(fit.parameters["mean"].value / fit.parameters["shape"].value, scale=fit.parameters["shape"].value)
+    law = stats.invgauss(
+        fit.parameters["mean"].value / fit.parameters["shape"].value, scale=fit.parameters["shape"].value
+    )
     likelihood = np.sum(np.where(sample.ended, law.logpdf(sample.length), law.logsf(sample.length)))
     assert fit.log_likelihood == pytest.approx(likelihood, rel=1e-10)
     assert (fit.n, fit.n_censored, fit.n_below) == (sample.ended.sum(), (~sample.ended).sum(), 0)
@@ -92,7 +92,9 @@ def test_without_censoring_the_inverse_gaussian_fit_is_the_closed_one() -> None:
     assert fit.parameters["mean"].value == pytest.approx(length.mean(), rel=1e-6)
     assert fit.parameters["shape"].value == pytest.approx(1.0 / np.mean(1.0 / length - 1.0 / length.mean()), rel=1e-6)
     # Information n/(2 shape^2), in the logarithm n/2.
-    assert fit.parameters["shape"].model_error == pytest.approx(fit.parameters["shape"].value * math.sqrt(2 / 500), rel=1e-4)
+    assert fit.parameters["shape"].model_error == pytest.approx(
+        fit.parameters["shape"].value * math.sqrt(2 / 500), rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("law", list(LAWS))

@@ -11,12 +11,14 @@ from scipy.special import fdtrc
 from scipy.stats import t as student
 
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.lagged import LONGEST, Lags, even_frames, geometric_frames, lag_averages
+from porous_swim.analysis.lagged import LONGEST, Lags, even_frames, geometric_frames, lag_averages, squared_step
 from porous_swim.results import TableInfo
 
 LINEAR = 0.1  # p-value from which a window counts as linear
 FEWEST_LAGS, MOST_LAGS = 4, 8
 SWIMMERS_PER_LAG = 5  # fewer leave the covariance of the lags too uncertain to invert
+MOST_GROUPS = 200  # of swimmers, left out in turn: its error is then known to 5 %
+ALIKE = 1e-10  # relative spread of squared displacements
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class EffectiveDiffusivity:
     """Slope of the mean squared displacement over twice the dimensions, with a free offset."""
 
     value: float
-    standard_error: float
+    standard_error: float  # jackknife over swimmers
     interval: tuple[float, float]
     level: float  # coverage of `interval`
     offset: float
@@ -47,8 +49,9 @@ def effective_diffusivity(
 ) -> EffectiveDiffusivity:
     """Fit time-averaged mean squared displacements at 4 to 8 lags. The table needs its `TableInfo`.
 
-    Displacements at different lags share their way and so are correlated: the covariance is that of the swimmers.
-    It is estimated, not known; the interval allows for that (Rao, Biometrika 46, 49 (1959), growth curves).
+    Displacements at different lags share their way and so are correlated: they are weighted by the inverse of their
+    covariance over swimmers. Value and error are a delete-group jackknife of that, weights included (Busing, Meijer
+    and van der Leeden, Stat. Comput. 9, 3 (1999)); the line is tested by Hotelling's T^2 of the residuals.
     `window`, in a/U, fixes the lags; by default it ends at half of the run and starts at the first of its halves,
     quarters, ..., from the shortest on, in which the line fits with p > 0.1. Needs 20 swimmers or more: NaN else.
     """
@@ -68,7 +71,7 @@ def effective_diffusivity(
         frames = geometric_frames(start, last, n_lags)
         if len(frames) < FEWEST_LAGS:
             continue
-        squares = lag_averages(recorded, lambda step, before, after: np.sum(step**2, axis=2), lags=frames * interval)
+        squares = lag_averages(recorded, squared_step, lags=frames * interval)
         found = _line(squares, dimensions=TableInfo.of(trajectory).dimensions, level=level)
         if found.linear:
             return found
@@ -82,27 +85,51 @@ def _nothing(n: int, level: float) -> EffectiveDiffusivity:
 
 def _line(squares: Lags, *, dimensions: int, level: float) -> EffectiveDiffusivity:
     """Generalised least squares of offset and slope, with the covariance of the swimmers' averages."""
-    n, n_lags, freedom = squares.n, len(squares.lag), squares.n - 1
-    scale = squares.value  # lags differ by decades: the covariance is inverted in relative units
-    design = np.stack([np.ones(n_lags), squares.lag], axis=1) / scale[:, None]
-    spread = np.cov(squares.each / scale[:, None])
-    if np.linalg.matrix_rank(spread, hermitian=True) < n_lags:  # swimmers alike: no error to weight with
+    n, n_lags = squares.n, len(squares.lag)
+    relative = squares.each / squares.value[:, None]  # lags differ by decades
+    spread = np.cov(relative)
+    # Swimmers alike but for rounding give no error to weight with.
+    if np.max(np.diag(spread)) < ALIKE**2 or np.linalg.matrix_rank(spread, hermitian=True) < n_lags:
         return _nothing(n, level)
-    weight = np.linalg.inv(spread)
-    covariance = np.linalg.inv(design.T @ weight @ design)
-    offset, slope = covariance @ design.T @ weight @ np.ones(n_lags)
-    residual = 1.0 - design @ np.array([offset, slope])
-    excess = n_lags - 2
-    hotelling = n * float(residual @ weight @ residual)
-    p_value = float(fdtrc(excess, freedom - excess + 1, hotelling * (freedom - excess + 1) / (freedom * excess)))
-    # Conditional on the residual, the slope has (1 + T^2/f) times the error that a known covariance would give, and
-    # the estimated covariance is too small by (f - excess)/f: Rao's t with f - excess degrees of freedom.
-    factor = (1.0 + hotelling / freedom) * freedom / (freedom - excess)
-    per_slope = 0.5 / dimensions
-    error = per_slope * math.sqrt(factor * covariance[1, 1] / n)
-    reach = float(student.ppf(0.5 + 0.5 * level, freedom - excess)) * error
-    value = per_slope * float(slope)
+    design = np.stack([np.ones(n_lags), squares.lag], axis=1) / squares.value[:, None]
+    line = _fit(np.ones(n_lags), spread, design)
+    residual = 1.0 - design @ line
+    hotelling = n * float(residual @ np.linalg.solve(spread, residual))
+    excess, freedom = n_lags - 2, n - n_lags + 2
+    p_value = float(fdtrc(excess, freedom, hotelling * freedom / ((n - 1) * excess)))
+    slope, error, n_groups = _jackknife(relative, design, float(line[1]))
+    value, error = 0.5 * slope / dimensions, 0.5 * error / dimensions
+    reach = float(student.ppf(0.5 + 0.5 * level, n_groups - 1)) * error
     return EffectiveDiffusivity(
-        value, error, (value - reach, value + reach), level, float(offset),
+        value, error, (value - reach, value + reach), level, float(line[0]),
         (float(squares.lag[0]), float(squares.lag[-1])), n_lags, p_value, p_value > LINEAR, n,
     )  # fmt: skip
+
+
+def _fit(mean: np.ndarray, spread: np.ndarray, design: np.ndarray) -> np.ndarray:
+    """Offset and slope (..., 2) from means (..., m) with covariances (..., m, m)."""
+    weighted = np.linalg.solve(spread, np.broadcast_to(design, (*spread.shape[:-1], 2)))  # (..., m, 2)
+    turned = np.swapaxes(weighted, -1, -2)
+    return np.asarray(np.linalg.solve(turned @ design, turned @ mean[..., None])[..., 0])
+
+
+def _jackknife(relative: np.ndarray, design: np.ndarray, slope: float) -> tuple[float, float, int]:
+    """Slope without its bias of order 1/n, its standard error, and the number of groups of swimmers left out in turn.
+
+    The bias is that swimmers with small displacements have small variances and get the larger weights.
+    """
+    n = relative.shape[1]
+    n_groups = min(n, MOST_GROUPS)
+    begin = np.arange(n_groups) * n // n_groups
+    size = np.diff(np.append(begin, n))
+    rest = (n - size)[:, None]
+    off = relative - 1.0  # from the mean, so that nothing cancels
+    products = np.stack([np.add.reduceat(row * off, begin, axis=1) for row in off])  # (m, m, n_groups)
+    mean = (np.sum(off, axis=1)[:, None] - np.add.reduceat(off, begin, axis=1)).T / rest  # (n_groups, m)
+    second = (np.sum(products, axis=2)[..., None] - products).transpose(2, 0, 1) / rest[..., None]
+    spread = second - mean[:, :, None] * mean[:, None, :]  # a common factor does not matter
+    left_out = _fit(1.0 + mean, spread, design)[:, 1]
+    share = n / size
+    corrected = n_groups * slope - float(np.sum((1.0 - 1.0 / share) * left_out))
+    pseudo = share * slope - (share - 1.0) * left_out
+    return corrected, math.sqrt(float(np.mean((pseudo - corrected) ** 2 / (share - 1.0)))), n_groups

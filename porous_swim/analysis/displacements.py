@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.histogram import Histogram, histogram
-from porous_swim.analysis.lagged import Lags, error_of_mean, even_frames, lag_averages
+from porous_swim.analysis.lagged import Lags, error_of_mean, even_frames, lag_averages, squared_step
 from porous_swim.results import TableInfo
 
 
@@ -45,8 +45,8 @@ def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = No
     The table needs its `TableInfo`. See `lag_averages` for `lags`. Source: Rahman, Phys. Rev. 136, A405 (1964).
     """
     recorded, d = even_frames(trajectory), TableInfo.of(trajectory).dimensions
-    square = lag_averages(recorded, lambda step, before, after: np.sum(step**2, axis=2), lags=lags)
-    fourth = lag_averages(recorded, lambda step, before, after: np.sum(step**2, axis=2) ** 2, lags=lags)
+    square = lag_averages(recorded, squared_step, lags=lags)
+    fourth = lag_averages(recorded, lambda *pair: squared_step(*pair) ** 2, lags=lags)
     ratio = d / (d + 2.0) * fourth.value / square.value**2
     influence = fourth.each / fourth.value[:, None] - 2.0 * square.each / square.value[:, None]
     return AgainstLag(square.lag, ratio - 1.0, ratio * error_of_mean(influence), square.n)
@@ -59,7 +59,7 @@ def displacement_histogram(trajectory: pa.Table, *, lag: float, edges: np.ndarra
     five root mean squares on either side. The table needs its `TableInfo`.
     """
     recorded, d = even_frames(trajectory), TableInfo.of(trajectory).dimensions
-    squares = lag_averages(recorded, lambda step, before, after: np.sum(step**2, axis=2), lags=np.array([lag]))
+    squares = lag_averages(recorded, squared_step, lags=np.array([lag]))
     n = int(np.rint(lag / (recorded.time[1] - recorded.time[0])))
     steps = (recorded.position[n:] - recorded.position[:-n])[..., :d]  # (n_starts, n_swimmers, d)
     if edges is None:

@@ -53,18 +53,33 @@ def error_of_mean(each: np.ndarray) -> np.ndarray:
 
 def time_averaged_msd(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
     """Mean squared displacement against lag, a^2. See `lag_averages` for `lags`."""
-    return lag_averages(even_frames(trajectory), lambda step, before, after: np.sum(step**2, axis=2), lags=lags)
+    return lag_averages(even_frames(trajectory), squared_step, lags=lags)
 
 
 def time_averaged_director_correlation(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
     """Mean of e(t + lag).e(t). See `lag_averages` for `lags`."""
-    return lag_averages(even_frames(trajectory), lambda step, before, after: np.sum(before * after, axis=2), lags=lags)
+    return lag_averages(even_frames(trajectory), director_overlap, lags=lags)
 
 
 def straightness(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
     """Mean |displacement|/lag, in U: 1 for a swimmer that goes straight. See `lag_averages` for `lags`."""
-    found = lag_averages(even_frames(trajectory), lambda step, before, after: np.linalg.norm(step, axis=2), lags=lags)
+    found = lag_averages(even_frames(trajectory), lambda *pair: np.sqrt(squared_step(*pair)), lags=lags)
     return Lags(found.lag, found.each / found.lag[:, None])
+
+
+def scalar_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Over the last axis of vectors (n_starts, n_swimmers, 3): (n_starts, n_swimmers)."""
+    return np.asarray(np.einsum("fsi,fsi->fs", first, second))
+
+
+def squared_step(step: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Squared displacements, (n_starts, n_swimmers), as `lag_averages` takes them."""
+    return scalar_products(step, step)
+
+
+def director_overlap(step: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Scalar products of directors before and after, (n_starts, n_swimmers), as `lag_averages` takes them."""
+    return scalar_products(before, after)
 
 
 def even_frames(trajectory: pa.Table) -> Tracks:

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.lagged import Lags, even_frames, lag_averages
+from porous_swim.analysis.lagged import Lags, director_overlap, even_frames, lag_averages, scalar_products
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Pers
     `lag_averages` for `lags`.
     """
     recorded = even_frames(trajectory)
-    projection = lag_averages(recorded, lambda step, before, after: np.sum(step * before, axis=2), lags=lags)
-    correlation = lag_averages(recorded, lambda step, before, after: np.sum(before * after, axis=2), lags=lags)
+    projection = lag_averages(recorded, lambda step, before, after: scalar_products(step, before), lags=lags)
+    correlation = lag_averages(recorded, director_overlap, lags=lags)
     forgotten = np.flatnonzero(correlation.value < 2.0 * correlation.standard_error)
     if len(projection.lag) == 0:
         return Persistence(Estimate(math.nan, math.nan, 0, 0, "a"), math.nan, False, projection, correlation)

@@ -36,7 +36,7 @@ def neighbour_distances(colloids: pa.Table, *, box: tuple[float, float, float]) 
         return np.zeros(0), np.zeros(0)
     # Within two of the shortest edge lie two images of the colloid itself; most fields need only a few spacings.
     furthest = 2.0 * float(np.min(edges[repeats])) if repeats.any() else np.inf
-    spacing = (float(np.prod(edges[repeats])) / n) ** (1.0 / max(np.count_nonzero(repeats), 1))
+    spacing = (float(np.prod(edges[repeats])) / n) ** (1.0 / max(int(repeats.sum()), 1))
     reach, k = min(4.0 * spacing, furthest) if repeats.any() else np.inf, 32
     while True:
         points = _images(centers, edges, reach)

@@ -1,0 +1,44 @@
+"""Random walks with known statistics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+
+from tests import synthetic
+
+
+def brownian(
+    rng: np.random.Generator, *, n_swimmers: int, n_frames: int, dimensions: int, diffusivity: float, drift: float = 0.0
+) -> pa.Table:
+    """Frames 1 a/U apart of independent Gaussian steps, with a drift along x; directors along x."""
+    steps = np.zeros((n_frames, n_swimmers, 3))
+    steps[1:, :, :dimensions] = np.sqrt(2.0 * diffusivity) * rng.normal(size=(n_frames - 1, n_swimmers, dimensions))
+    steps[1:, :, 0] += drift
+    about = synthetic.info(n_swimmers=n_swimmers, last_time=n_frames - 1.0, dimensions=dimensions)
+    directors = np.broadcast_to(np.array([1.0, 0.0, 0.0]), steps.shape)
+    return synthetic.trajectory(about, np.arange(float(n_frames)), np.cumsum(steps, axis=0), directors)
+
+
+def persistent(
+    rng: np.random.Generator, *, n_swimmers: int, n_frames: int, turning: float, diffusivity: float = 0.0
+) -> pa.Table:
+    """In the plane: frames after each step of 1 a/U along the director, which then turns by a Gaussian angle.
+
+    The director decays by c = exp(-turning^2/2) each step.
+    """
+    angle = rng.uniform(0.0, 2.0 * np.pi, n_swimmers) + np.concatenate(
+        [np.zeros((1, n_swimmers)), np.cumsum(turning * rng.normal(size=(n_frames - 1, n_swimmers)), axis=0)]
+    )
+    directors = np.stack([np.cos(angle), np.sin(angle), np.zeros(angle.shape)], axis=2)
+    steps = np.zeros(directors.shape)
+    steps[1:] = directors[:-1]
+    steps[1:, :, :2] += np.sqrt(2.0 * diffusivity) * rng.normal(size=(n_frames - 1, n_swimmers, 2))
+    about = synthetic.info(n_swimmers=n_swimmers, last_time=n_frames - 1.0, dimensions=2)
+    return synthetic.trajectory(about, np.arange(float(n_frames)), np.cumsum(steps, axis=0), directors)
+
+
+def persistent_msd(n: np.ndarray, *, turning: float, diffusivity: float = 0.0) -> np.ndarray:
+    """Exact mean squared displacement of `persistent` after n steps (n_lags,)."""
+    c = np.exp(-0.5 * turning**2)
+    return 4.0 * diffusivity * n + n * (1.0 + c) / (1.0 - c) - 2.0 * c * (1.0 - c**n) / (1.0 - c) ** 2
