@@ -187,14 +187,14 @@ def test_errors_of_a_network_are_the_spread_over_repeats_where_swimmers_keep_the
     colloids = synthetic.colloids(about, centers)
     rng = np.random.default_rng(6)
     shares, errors = [], []
-    for _ in range(200):
+    for _ in range(100):
         own = rng.dirichlet(np.ones(6), 100)  # each swimmer has its own preferences
         chosen = np.array([rng.choice(6, 10, p=p) for p in own])
         matrix = hop_network(hop_table(walk(about, centers, SIX, chosen), colloids))
         shares.append(column(matrix, "probability")[:2])
         errors.append(column(matrix, "standard_error")[:2])
-    # The spread of 200 repeats is known to 5 %: 4 of those.
-    assert np.mean(errors, axis=0) == pytest.approx(np.std(shares, axis=0), rel=0.2)
+    # The spread of 100 repeats is known to 7 %: 4 of those.
+    assert np.mean(errors, axis=0) == pytest.approx(np.std(shares, axis=0), rel=0.28)
 
 
 def test_residence_before_a_hop_is_that_of_the_colloid_left_in_the_direction_of_the_hop() -> None:
