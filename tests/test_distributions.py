@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import porous_swim as ps
 from porous_swim.analysis.columns import column
 from porous_swim.analysis.departures import departures
 from porous_swim.analysis.estimates import Swimmers, ratio_of_sums
@@ -191,3 +193,10 @@ def test_a_million_samples_are_binned_in_seconds() -> None:
     histogram(values, edges=np.linspace(-4.0, 4.0, 200), swimmer=swimmer)
     binned_mean(values, against=values, edges=np.linspace(-4.0, 4.0, 200), swimmer=swimmer)
     assert time.perf_counter() - start < 10.0  # some 1 s on one core
+
+
+def test_the_page_on_statistics_has_all_of_them():
+    page = (Path(__file__).parents[1] / "docs" / "statistics.md").read_text(encoding="utf-8")
+    public = {name for name in ps.analysis.__all__ if callable(getattr(ps.analysis, name)) and name[0].islower()}
+    helpers = {"summarize", "summary_lines", "tracks", "waiting_times", "survival_curve", "histogram_2d"}
+    assert sorted(name for name in public - helpers if f"`{name}`" not in page and f"`{name}(" not in page) == []

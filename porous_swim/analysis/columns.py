@@ -16,6 +16,19 @@ def vectors(table: pa.Table, *names: str) -> np.ndarray:
     return np.stack([column(table, name) for name in names], axis=1)
 
 
+def numbered(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values that occur among integers (n,), increasing, and the number of each row's value among them, (n,).
+
+    As np.unique with its inverse, but without sorting where the values are not much larger than their number.
+    """
+    if len(keys) == 0 or keys.min() < 0 or keys.max() >= 4 * len(keys):
+        occurring, number = np.unique(keys, return_inverse=True)
+        return occurring, number.reshape(-1)
+    there = np.zeros(int(keys.max()) + 1, bool)
+    there[keys] = True
+    return np.flatnonzero(there), (np.cumsum(there) - 1)[keys]
+
+
 def time_order(encounters: pa.Table) -> np.ndarray:
     """Rows, (n_rows,), swimmer by swimmer, each in order of time (the order of equal times is kept)."""
     return np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from porous_swim.analysis.columns import numbered
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -44,8 +46,8 @@ class Swimmers:
     @classmethod
     def of(cls, swimmer: np.ndarray) -> Swimmers:
         """From the column `swimmer` of a table, shape (n_rows,)."""
-        occurring, group = np.unique(swimmer, return_inverse=True)
-        return cls(group.reshape(-1), len(occurring))
+        occurring, group = numbered(swimmer)
+        return cls(group, len(occurring))
 
     def sums(self, values: np.ndarray) -> np.ndarray:
         """Sum of `values` (n_rows,) over each swimmer's rows: (n,)."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from porous_swim.analysis.columns import numbered
 from porous_swim.analysis.estimates import Swimmers
 
 
@@ -114,6 +115,6 @@ def _sums_of_pairs(
     place: np.ndarray, n_bins: int, swimmer: np.ndarray, *values: np.ndarray
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """For each pair of a swimmer and a bin that occurs: the bin (m,), and the sums of values (n,) over it (m,)."""
-    occurring, group = np.unique(swimmer.astype(np.int64) * n_bins + place, return_inverse=True)
-    sums = [np.bincount(group.reshape(-1), weights=each, minlength=len(occurring)) for each in values]
+    occurring, group = numbered(swimmer.astype(np.int64) * n_bins + place)
+    sums = [np.bincount(group, weights=each, minlength=len(occurring)) for each in values]
     return occurring % n_bins, sums

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, vectors
+from porous_swim.analysis.columns import column, numbered, vectors
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.errors import ResultsError
 from porous_swim.results import TableInfo
@@ -58,17 +58,20 @@ class Diffusivity:
 def tracks(trajectory: pa.Table) -> Tracks:
     """Arrays from a table of trajectories; `ResultsError` unless each swimmer is once in each frame."""
     time, swimmer = column(trajectory, "time"), column(trajectory, "swimmer")
-    order = np.lexsort((swimmer, time))
-    times, swimmers = np.unique(time), np.unique(swimmer)
+    if np.any(np.diff(time) < 0.0) or np.any((np.diff(time) == 0.0) & (np.diff(swimmer) < 0)):
+        order = np.lexsort((swimmer, time))
+        trajectory = trajectory.take(pa.array(order))
+        time, swimmer = time[order], swimmer[order]
+    times, swimmers = time[np.append(True, np.diff(time) > 0.0)[: len(time)]], numbered(swimmer)[0]
     shape = (len(times), len(swimmers))
     # Rows as many as the grid has places, and each place taken: every swimmer once in every frame.
-    if len(order) != shape[0] * shape[1] or np.any(swimmer[order].reshape(shape) != swimmers):
+    if len(time) != shape[0] * shape[1] or np.any(swimmer.reshape(shape) != swimmers):
         raise ResultsError(
-            f"trajectory: found {len(order)} rows for {shape[0]} times and {shape[1]} swimmers; "
+            f"trajectory: found {len(time)} rows for {shape[0]} times and {shape[1]} swimmers; "
             "each swimmer must be there once at each time"
         )
-    position = vectors(trajectory, "x", "y", "z")[order].reshape(*shape, 3)
-    director = vectors(trajectory, "ex", "ey", "ez")[order].reshape(*shape, 3)
+    position = vectors(trajectory, "x", "y", "z").reshape(*shape, 3)
+    director = vectors(trajectory, "ex", "ey", "ez").reshape(*shape, 3)
     return Tracks(times, swimmers, position, director)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,9 +56,10 @@ def test_swimmers_without_noise_scatter_by_the_angles_of_an_independent_simulato
 
 
 @pytest.fixture(scope="module")
-def hexagonal() -> ps.Results:
+def hexagonal(tmp_path_factory) -> ps.Results:
     scene = crystal("hexagonal_alpha4", 500, time_step=0.005, seed=3)
-    return ps.run(scene.replace({"run.duration": 150.0, "record.every": 1.0, "record.swimmers": 500}))
+    scene = scene.replace({"run.duration": 150.0, "record.every": 1.0, "record.swimmers": 500})
+    return ps.run(scene, out=tmp_path_factory.mktemp("statistics") / "runs" / "crystal", recording=False)
 
 
 def test_hops_of_a_crystal_are_as_many_as_the_kernel_counted_and_lead_to_six_neighbours_alike(hexagonal):
@@ -109,3 +112,12 @@ def test_no_swimmer_of_a_crystal_is_inside_a_colloid_in_the_map_of_its_cell(hexa
 def first_center(results: ps.Results) -> np.ndarray:
     """Where the first colloid is in the cell, (2,)."""
     return np.array([column(results.colloids, axis)[0] for axis in "xy"])
+
+
+def test_the_example_of_the_page_on_statistics_runs(hexagonal, monkeypatch, capsys):
+    page = (Path(__file__).parents[2] / "docs" / "statistics.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    monkeypatch.chdir(hexagonal.folder.parents[1])
+    exec(compile(code, "statistics.md", "exec"), {})
+    mean = ps.analysis.residence_times(hexagonal.encounters).mean  # its colloids are all of radius 3.5
+    assert capsys.readouterr().out.splitlines()[-1].startswith(f"3.5 {mean} ")
