@@ -186,3 +186,13 @@ def test_wrong_arguments_are_named() -> None:
         fit_lifetimes(sample, "power_law")
     with pytest.raises(ValueError, match="allowed are exponential, inverse_gaussian, power_law"):
         fit_lifetimes(sample, "weibull")  # type: ignore[arg-type]
+
+
+def test_equal_lengths_and_hardly_any_ends_have_no_inverse_gaussian() -> None:
+    equal = fit_lifetimes(cut(np.full(9, 3.0), np.full(9, 5.0)), "inverse_gaussian")
+    lengths = np.append([0.006, 0.009], np.full(500, 1.0))
+    hardly = fit_lifetimes(cut(lengths, np.full(502, 0.01)), "inverse_gaussian")
+    for fit in (equal, hardly):
+        assert math.isnan(fit.parameters["mean"].value)
+        assert math.isnan(fit.aic)
+        assert np.isnan(fit.parameters["shape"].interval).all()

@@ -7,7 +7,6 @@ from porous_swim.analysis.density import cell_density, height_pitch_density
 from porous_swim.analysis.departures import Departures, departures
 from porous_swim.analysis.diffusion import EffectiveDiffusivity, effective_diffusivity
 from porous_swim.analysis.displacements import (
-    AgainstLag,
     displacement_histogram,
     msd_exponent,
     non_gaussian_parameter,
@@ -30,7 +29,7 @@ from porous_swim.analysis.hops import (
     returns,
 )
 from porous_swim.analysis.lagged import (
-    Lags,
+    TimeAverages,
     straightness,
     time_averaged_director_correlation,
     time_averaged_msd,
@@ -68,7 +67,6 @@ from porous_swim.analysis.travel import travel_times
 from porous_swim.analysis.winding import Winding, winding
 
 __all__ = [
-    "AgainstLag",
     "Departures",
     "Diffusivity",
     "EffectiveDiffusivity",
@@ -78,7 +76,6 @@ __all__ = [
     "Histogram",
     "HopStatistics",
     "Lagged",
-    "Lags",
     "LifetimeFit",
     "Lifetimes",
     "LogRank",
@@ -91,6 +88,7 @@ __all__ = [
     "SurvivalBand",
     "SurvivalCurve",
     "Symmetry",
+    "TimeAverages",
     "Tracks",
     "WaitingTimes",
     "Winding",

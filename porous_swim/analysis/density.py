@@ -10,6 +10,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
 from porous_swim.analysis.places import centers_of, radii_of
+from porous_swim.errors import ResultsError
 from porous_swim.results import TableInfo
 
 
@@ -41,10 +42,13 @@ def height_pitch_density(trajectory: pa.Table, colloids: pa.Table, *, heights: n
 
     `heights` (n_y + 1,), in a, are the edges of the bins; samples above the last count as outside. The
     trajectory needs its `TableInfo`.
+
+    Raises:
+        ResultsError: a field without colloids.
     """
     colloid = column(trajectory, "colloid")
     if len(colloids) == 0 or np.any(colloid < 0):
-        raise ValueError("colloids: found a field without any, where heights have no meaning")
+        raise ResultsError("trajectory: found a field without any, where heights have no meaning")
     image = vectors(trajectory, "image_x", "image_y", "image_z") * np.asarray(TableInfo.of(trajectory).box)
     offset = vectors(trajectory, "x", "y", "z") - centers_of(colloids)[colloid] - image
     distance = np.linalg.norm(offset, axis=1)

@@ -11,7 +11,7 @@ from scipy.special import fdtrc
 from scipy.stats import t as student
 
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.lagged import LONGEST, Lags, even_frames, geometric_frames, lag_averages, squared_step
+from porous_swim.analysis.lagged import LONGEST, TimeAverages, even_frames, geometric_frames, lag_averages, squared_step
 from porous_swim.results import TableInfo
 
 LINEAR = 0.1  # p-value from which a window counts as linear
@@ -83,7 +83,7 @@ def _nothing(n: int, level: float) -> EffectiveDiffusivity:
     return EffectiveDiffusivity(math.nan, math.nan, none, level, math.nan, none, 0, math.nan, False, n)
 
 
-def _line(squares: Lags, *, dimensions: int, level: float) -> EffectiveDiffusivity:
+def _line(squares: TimeAverages, *, dimensions: int, level: float) -> EffectiveDiffusivity:
     """Generalised least squares of offset and slope, with the covariance of the swimmers' averages."""
     n, n_lags = squares.n, len(squares.lag)
     relative = squares.each / squares.value[:, None]  # lags differ by decades

@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.histogram import Histogram, histogram
-from porous_swim.analysis.lagged import Lags, error_of_mean, even_frames, lag_averages, squared_step
+from porous_swim.analysis.lagged import TimeAverages, error_of_mean, even_frames, lag_averages, squared_step
+from porous_swim.analysis.transport import Lagged
 from porous_swim.results import TableInfo
 
 
-@dataclass(frozen=True, eq=False)
-class AgainstLag:
-    """A number at each lag with its error over swimmers (infinitesimal jackknife)."""
-
-    lag: np.ndarray  # (n_lags,) a/U
-    value: np.ndarray  # (n_lags,)
-    standard_error: np.ndarray  # (n_lags,) NaN for fewer than two swimmers
-    n: int  # swimmers
-
-
-def msd_exponent(squares: Lags) -> AgainstLag:
+def msd_exponent(squares: TimeAverages) -> Lagged:
     """Exponent of a mean squared displacement between each lag and the next, at their geometric mean.
 
     2 where swimmers go straight, 1 where they diffuse, below where they are trapped. Neighbouring lags share
@@ -31,7 +21,7 @@ def msd_exponent(squares: Lags) -> AgainstLag:
     """
     relative = squares.each / squares.value[:, None]
     width = np.diff(np.log(squares.lag))
-    return AgainstLag(
+    return Lagged(
         lag=np.sqrt(squares.lag[1:] * squares.lag[:-1]),
         value=np.diff(np.log(squares.value)) / width,
         standard_error=error_of_mean(np.diff(relative, axis=0)) / width,
@@ -39,7 +29,7 @@ def msd_exponent(squares: Lags) -> AgainstLag:
     )
 
 
-def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> AgainstLag:
+def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lagged:
     """d <r^4>/((d + 2) <r^2>^2) - 1 in d dimensions: 0 for a Gaussian, -2/(d + 2) for equal straight ways.
 
     The table needs its `TableInfo`. See `lag_averages` for `lags`. Source: Rahman, Phys. Rev. 136, A405 (1964).
@@ -49,7 +39,7 @@ def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = No
     fourth = lag_averages(recorded, lambda *pair: squared_step(*pair) ** 2, lags=lags)
     ratio = d / (d + 2.0) * fourth.value / square.value**2
     influence = fourth.each / fourth.value[:, None] - 2.0 * square.each / square.value[:, None]
-    return AgainstLag(square.lag, ratio - 1.0, ratio * error_of_mean(influence), square.n)
+    return Lagged(square.lag, ratio - 1.0, ratio * error_of_mean(influence), square.n)
 
 
 def displacement_histogram(trajectory: pa.Table, *, lag: float, edges: np.ndarray | None = None) -> Histogram:

@@ -43,7 +43,7 @@ def goodness_of_fit(lifetimes: Lifetimes, fit: LifetimeFit, *, n_repeats: int = 
             continue
         sample = Sample(np.minimum(length, used.limit), ended, fit.cutoff)
         again = replace(fit, coordinates=LAWS[fit.law].most_likely(sample))
-        n_further += _distance(sample, again) >= distance
+        n_further += not _distance(sample, again) < distance  # no fit (NaN) counts as far
     return GoodnessOfFit(distance, (1 + n_further) / (1 + n_repeats), n_repeats)
 
 

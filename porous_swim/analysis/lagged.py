@@ -21,7 +21,7 @@ LONGEST = 0.5  # of the run: beyond, starts share so much of their way that they
 
 
 @dataclass(frozen=True, eq=False)
-class Lags:
+class TimeAverages:
     """A time-averaged quantity against lag."""
 
     lag: np.ndarray  # (n_lags,) a/U
@@ -51,20 +51,20 @@ def error_of_mean(each: np.ndarray) -> np.ndarray:
     return np.asarray(np.std(each, axis=1, ddof=1) / math.sqrt(n))
 
 
-def time_averaged_msd(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+def time_averaged_msd(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean squared displacement against lag, a^2. See `lag_averages` for `lags`."""
     return lag_averages(even_frames(trajectory), squared_step, lags=lags)
 
 
-def time_averaged_director_correlation(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+def time_averaged_director_correlation(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean of e(t + lag).e(t). See `lag_averages` for `lags`."""
     return lag_averages(even_frames(trajectory), director_overlap, lags=lags)
 
 
-def straightness(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lags:
+def straightness(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean |displacement|/lag, in U: 1 for a swimmer that goes straight. See `lag_averages` for `lags`."""
     found = lag_averages(even_frames(trajectory), lambda *pair: np.sqrt(squared_step(*pair)), lags=lags)
-    return Lags(found.lag, found.each / found.lag[:, None])
+    return TimeAverages(found.lag, found.each / found.lag[:, None])
 
 
 def scalar_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ def lag_averages(
     quantity: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
     *,
     lags: np.ndarray | None = None,
-) -> Lags:
+) -> TimeAverages:
     """Average over starts a quantity of displacements, directors before and after, (n_starts, n_swimmers, 3) each.
 
     `lags` (n_lags,), in a/U, are whole numbers of frames above 0; by default 30 in geometric order up to half of
@@ -118,7 +118,7 @@ def lag_averages(
         step = recorded.position[n:] - recorded.position[:-n]
         each[i] = np.mean(quantity(step, recorded.director[:-n], recorded.director[n:]), axis=0)
     interval = recorded.time[1] - recorded.time[0] if len(recorded.time) > 1 else 0.0
-    return Lags(frames * interval, each)
+    return TimeAverages(frames * interval, each)
 
 
 def geometric_frames(first: int, last: int, n: int) -> np.ndarray:

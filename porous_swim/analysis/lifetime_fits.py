@@ -64,7 +64,9 @@ class LifetimeFit:
 def fit_lifetimes(lifetimes: Lifetimes, law: LawName, *, cutoff: float = 0.0, level: float = 0.95) -> LifetimeFit:
     """Fit a law to the lengths above `cutoff` whose start was seen; ends not seen count as such.
 
-    The power law needs a cutoff above 0. Without an end above the cutoff there is no fit: its values are NaN.
+    The power law needs a cutoff above 0. Without an end above the cutoff there is no fit: its values are NaN. So they
+    are where the likelihood has no maximum: an inverse Gaussian for equal lengths, or for so few ends that its mean may
+    be infinite.
 
     Raises:
         ValueError: an unknown law, or a cutoff that the law does not take.

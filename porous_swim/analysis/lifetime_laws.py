@@ -15,6 +15,9 @@ from scipy.optimize import minimize
 from scipy.special import erfcx, log_ndtr
 
 
+_FARTHEST = math.log(1e12)  # from the mean length to a parameter: beyond, the likelihood has no maximum
+
+
 @dataclass(frozen=True, eq=False)
 class Sample:
     """Lengths above a cutoff, those that ended and those that were cut off, in one array."""
@@ -52,7 +55,7 @@ class Law(ABC):
 
     @abstractmethod
     def most_likely(self, sample: Sample) -> np.ndarray:
-        """Coordinates (k,) of the maximum-likelihood fit to a sample with at least one end."""
+        """Coordinates (k,) of the maximum-likelihood fit to a sample with at least one end; NaN where there is none."""
 
     def log_likelihoods(self, sample: Sample, coordinates: np.ndarray) -> np.ndarray:
         """What each length adds to the logarithm of the likelihood, (n,)."""
@@ -143,15 +146,18 @@ class InverseGaussian(Law):
             return float((len(sample.length) * self._log_survival(sample.cutoff, coordinates) - density - rest) / n)
 
         mean = np.mean(sample.length)
-        start = np.log([mean, 1.0 / max(inverse / n - n / total, 1e-3 / mean)])
-        found = minimize(cost, start, method="Nelder-Mead", options={"xatol": 1e-8, "fatol": 1e-14, "maxiter": 2000})
-        return np.asarray(found.x)
+        start = np.log([mean, 1.0 / max(inverse / n - n / total, 1e-6 / mean)])
+        low, high = math.log(mean) - _FARTHEST, math.log(mean) + _FARTHEST
+        options = {"xatol": 1e-8, "fatol": 1e-14, "maxiter": 2000}
+        found = minimize(cost, start, method="Nelder-Mead", bounds=[(low, high)] * 2, options=options)
+        inside = np.all((found.x > low + 1.0) & (found.x < high - 1.0))
+        return np.asarray(found.x) if inside else np.full(2, math.nan)
 
     @staticmethod
     def _log_survival(length: np.ndarray | float, coordinates: np.ndarray) -> np.ndarray:
         """Phi(-u) - exp(2 shape/mean) Phi(-v), in the one of two forms in which nothing overflows or cancels."""
         mean, shape = np.exp(coordinates)
-        x = np.maximum(length, 1e-300)
+        x = np.maximum(length, 1e-200)  # so that a cutoff of 0 is no division by it
         scale = np.sqrt(shape / x)
         u, v = scale * (x / mean - 1.0), scale * (x / mean + 1.0)
         far = np.maximum(u, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.lagged import Lags, director_overlap, even_frames, lag_averages, scalar_products
+from porous_swim.analysis.lagged import TimeAverages, director_overlap, even_frames, lag_averages, scalar_products
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class Persistence:
     lag: float  # a/U, where it is read
     reached: bool
     """False where the run is too short for the correlation of directors to vanish: `length` is then too small."""
-    projection: Lags
+    projection: TimeAverages
     """Mean displacement along the first director against lag, a."""
-    correlation: Lags
+    correlation: TimeAverages
     """Mean of e(t + lag).e(t)."""
 
 

@@ -32,11 +32,11 @@ class Tracks:
 
 @dataclass(frozen=True)
 class Lagged:
-    """A mean over swimmers as a function of the time since the start."""
+    """A quantity averaged over swimmers against lag: the time since the start, or between any two frames."""
 
-    lag: np.ndarray  # (n_frames,) a/U
-    value: np.ndarray  # (n_frames,)
-    standard_error: np.ndarray  # (n_frames,), over swimmers; NaN for a single one
+    lag: np.ndarray  # (n_lags,) a/U
+    value: np.ndarray  # (n_lags,)
+    standard_error: np.ndarray  # (n_lags,), over swimmers; NaN for a single one
     n: int  # swimmers
 
 

@@ -7,7 +7,6 @@ import pyarrow as pa
 
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.transport import tracks
-from porous_swim.errors import ResultsError
 
 
 def travel_times(trajectory: pa.Table, *, distance: float, direction: tuple[float, float, float]) -> Lifetimes:
@@ -18,11 +17,11 @@ def travel_times(trajectory: pa.Table, *, distance: float, direction: tuple[floa
     within one is missed, so that frames must be close beside the time that the distance takes.
 
     Raises:
-        ResultsError: a distance that is not above 0, or a direction of length 0.
+        ValueError: a distance that is not above 0, or a direction of length 0.
     """
     axis = np.asarray(direction, float)
     if not (distance > 0.0 and np.linalg.norm(axis) > 0.0):
-        raise ResultsError(f"travel_times: found distance {distance:g} along {direction}; both must differ from 0")
+        raise ValueError(f"travel_times: found distance {distance:g} along {direction}; both must differ from 0")
     recorded = tracks(trajectory)
     n = len(recorded.swimmer)
     if len(recorded.time) == 0:
