@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +14,7 @@ from porous_swim.analysis.estimates import Estimate
 from porous_swim.analysis.lagged import LONGEST, TimeAverages, even_frames, geometric_frames, lag_averages, squared_step
 from porous_swim.results import TableInfo
 
-LINEAR = 0.1  # p-value from which a window counts as linear
+LINEAR = 0.05  # p-value from which a window counts as linear
 FEWEST_LAGS, MOST_LAGS = 4, 8
 SWIMMERS_PER_LAG = 5  # fewer leave the covariance of the lags too uncertain to invert
 MOST_GROUPS = 200  # of swimmers, left out in turn: its error is then known to 5 %
@@ -52,8 +52,10 @@ def effective_diffusivity(
     Displacements at different lags share their way and so are correlated: they are weighted by the inverse of their
     covariance over swimmers. Value and error are a delete-group jackknife of that, weights included (Busing, Meijer
     and van der Leeden, Stat. Comput. 9, 3 (1999)); the line is tested by Hotelling's T^2 of the residuals.
-    `window`, in a/U, fixes the lags; by default it ends at half of the run and starts at the first of its halves,
-    quarters, ..., from the shortest on, in which the line fits with p > 0.1. Needs 20 swimmers or more: NaN else.
+    `window`, in a/U, fixes the lags. By default it ends at half of the run and starts at twice the first lag, among
+    halves of that half, halves of halves, ..., from which on the line fits with p > 0.05: where a line just fits, what
+    is left of the start still biases it by about its error, but no more after as long again. Needs 20 swimmers or
+    more: NaN else.
     """
     recorded = even_frames(trajectory)
     n = len(recorded.swimmer)
@@ -66,16 +68,17 @@ def effective_diffusivity(
     else:
         last = min(int(window[1] / interval + 1e-6), n_frames - 1) if n_frames > 1 else 0
         starts = [max(math.ceil(window[0] / interval - 1e-6), 1)] if n_frames > 1 else []
-    found = None
+    found, fits_before = _nothing(n, level), window is not None
     for start in starts:
         frames = geometric_frames(start, last, n_lags)
         if len(frames) < FEWEST_LAGS:
             continue
         squares = lag_averages(recorded, squared_step, lags=frames * interval)
         found = _line(squares, dimensions=TableInfo.of(trajectory).dimensions, level=level)
-        if found.linear:
+        if found.linear and fits_before:
             return found
-    return found or _nothing(n, level)
+        fits_before = found.linear
+    return replace(found, linear=False)
 
 
 def _nothing(n: int, level: float) -> EffectiveDiffusivity:

@@ -14,7 +14,6 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erfcx, log_ndtr
 
-
 _FARTHEST = math.log(1e12)  # from the mean length to a parameter: beyond, the likelihood has no maximum
 
 
@@ -148,8 +147,10 @@ class InverseGaussian(Law):
         mean = np.mean(sample.length)
         start = np.log([mean, 1.0 / max(inverse / n - n / total, 1e-6 / mean)])
         low, high = math.log(mean) - _FARTHEST, math.log(mean) + _FARTHEST
-        options = {"xatol": 1e-8, "fatol": 1e-14, "maxiter": 2000}
-        found = minimize(cost, start, method="Nelder-Mead", bounds=[(low, high)] * 2, options=options)
+        found = minimize(
+            cost, start, method="Nelder-Mead", bounds=[(low, high)] * 2,
+            options={"xatol": 1e-8, "fatol": 1e-14, "maxiter": 2000},
+        )  # fmt: skip
         inside = np.all((found.x > low + 1.0) & (found.x < high - 1.0))
         return np.asarray(found.x) if inside else np.full(2, math.nan)
 
