@@ -71,6 +71,8 @@ def test_a_ballistic_run_is_not_linear_and_swimmers_that_are_alike_have_no_diffu
     assert not found.linear
     alike = effective_diffusivity(walks.persistent(rng, n_swimmers=200, n_frames=21, turning=0.0))
     assert alike.estimate().as_dict()["value"] is None
+    still = walks.brownian(rng, n_swimmers=40, n_frames=21, dimensions=2, diffusivity=0.0)
+    assert effective_diffusivity(still).estimate().as_dict()["value"] is None
     few = effective_diffusivity(walks.brownian(rng, n_swimmers=19, n_frames=41, dimensions=2, diffusivity=0.4))
     assert math.isnan(few.value)
     assert not few.linear

@@ -89,6 +89,8 @@ def _nothing(n: int, level: float) -> EffectiveDiffusivity:
 def _line(squares: TimeAverages, *, dimensions: int, level: float) -> EffectiveDiffusivity:
     """Generalised least squares of offset and slope, with the covariance of the swimmers' averages."""
     n, n_lags = squares.n, len(squares.lag)
+    if not np.all(squares.value > 0.0):
+        return _nothing(n, level)
     relative = squares.each / squares.value[:, None]  # lags differ by decades
     spread = np.cov(relative)
     # Swimmers alike but for rounding give no error to weight with.

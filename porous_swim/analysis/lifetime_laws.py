@@ -125,12 +125,19 @@ class InverseGaussian(Law):
         return self._log_survival(length, coordinates) - self._log_survival(cutoff, coordinates)
 
     def draw(self, rng: np.random.Generator, n: int, coordinates: np.ndarray, cutoff: float) -> np.ndarray:
-        """See `Law`; by rejection below the cutoff."""
+        """See `Law`; above a cutoff by bisection, which takes as long however few lengths get there."""
         mean, shape = np.exp(coordinates)
-        length = rng.wald(mean, shape, n)
-        while np.any(below := length <= cutoff):
-            length[below] = rng.wald(mean, shape, np.count_nonzero(below))
-        return length
+        if cutoff == 0.0:
+            return rng.wald(mean, shape, n)
+        aim = np.log(1.0 - rng.uniform(size=n))
+        low, high = np.full(n, cutoff), np.full(n, 2.0 * cutoff)
+        while np.any(short := self.log_survival(high, coordinates, cutoff) > aim):
+            high = np.where(short, 2.0 * high, high)
+        for _ in range(52):  # bits of a double
+            middle = 0.5 * (low + high)
+            short = self.log_survival(middle, coordinates, cutoff) > aim
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        return high
 
     def most_likely(self, sample: Sample) -> np.ndarray:
         """By a simplex search from the closed form that would hold had nothing been cut off."""

@@ -30,8 +30,9 @@ class Persistence:
 def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Persistence:
     """Project displacements on the director at their start, as far as the first lag at which that is forgotten.
 
-    That is the first lag at which the correlation of directors is less than two standard errors above 0. See
-    `lag_averages` for `lags`.
+    That is the first lag at which the correlation of directors is less than two standard errors above 0. Where
+    swimmers orbit it crosses 0 after a quarter of an orbit: the length is then that of the arc. See `lag_averages` for
+    `lags`.
     """
     recorded = even_frames(trajectory)
     projection = lag_averages(recorded, lambda step, before, after: scalar_products(step, before), lags=lags)

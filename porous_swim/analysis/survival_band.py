@@ -28,7 +28,7 @@ def survival_band(curve: SurvivalCurve, *, level: float = 0.95) -> SurvivalBand:
     """Limits symmetric in log(-log S), which keeps them between 0 and 1, with Greenwood's variance.
 
     They take the samples for independent; `survival_at` does not. Source: Kalbfleisch and Prentice, The
-    Statistical Analysis of Failure Time Data, 2nd ed. (2002), section 1.4.
+    Statistical Analysis of Failure Time Data, 2nd ed. (2002).
     """
     left = curve.n_at_risk - curve.n_ended
     terms = np.divide(curve.n_ended, curve.n_at_risk * left, out=np.full(len(left), math.nan), where=left > 0)
