@@ -19,6 +19,7 @@ from porous_swim.analysis.histogram import binned_mean, histogram, histogram_2d
 from porous_swim.analysis.orbits import orbits
 from porous_swim.analysis.residence import contact_fraction_of_encounters, residence_times
 from porous_swim.analysis.scattering import scattering
+from porous_swim.errors import ResultsError
 from porous_swim.results import COLLOIDS_SCHEMA, make_table
 from tests import synthetic
 
@@ -200,3 +201,10 @@ def test_the_page_on_statistics_has_all_of_them():
     public = {name for name in ps.analysis.__all__ if callable(getattr(ps.analysis, name)) and name[0].islower()}
     helpers = {"summarize", "summary_lines", "tracks", "waiting_times", "survival_curve", "histogram_2d"}
     assert sorted(name for name in public - helpers if f"`{name}`" not in page and f"`{name}(" not in page) == []
+
+
+def test_a_plane_wall_has_no_impact_parameters() -> None:
+    about = synthetic.info()
+    wall = synthetic.colloids(about, np.zeros((1, 3)), radius=math.inf)
+    with pytest.raises(ResultsError, match="found a plane wall"):
+        scattering(synthetic.encounters(about, swimmer=[0], end_time=[1.0]), wall)

@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
-from porous_swim.analysis.places import centers_of, radii_of
+from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.errors import ResultsError
 from porous_swim.results import TableInfo
 
@@ -44,7 +44,7 @@ def height_pitch_density(trajectory: pa.Table, colloids: pa.Table, *, heights: n
     trajectory needs its `TableInfo`.
 
     Raises:
-        ResultsError: a field without colloids.
+        ResultsError: a field without colloids, or a plane wall.
     """
     colloid = column(trajectory, "colloid")
     if len(colloids) == 0 or np.any(colloid < 0):
@@ -55,7 +55,7 @@ def height_pitch_density(trajectory: pa.Table, colloids: pa.Table, *, heights: n
     sine = np.sum(offset * vectors(trajectory, "ex", "ey", "ez"), axis=1) / distance
     return histogram_2d(
         np.arcsin(np.clip(sine, -1.0, 1.0)),
-        distance - radii_of(colloids)[colloid],
+        distance - sphere_radii_of(colloids)[colloid],
         x_edges=np.linspace(-0.5 * math.pi, 0.5 * math.pi, n_pitches + 1),
         y_edges=heights,
         swimmer=column(trajectory, "swimmer"),

@@ -7,6 +7,7 @@ import pyarrow as pa
 from scipy.spatial import cKDTree
 
 from porous_swim.analysis.columns import column, vectors
+from porous_swim.errors import ResultsError
 
 # Centres are kept in fixed point: neighbours of a lattice are at one distance only up to rounding.
 SAME_DISTANCE = 1.0001
@@ -20,6 +21,14 @@ def centers_of(colloids: pa.Table) -> np.ndarray:
 def radii_of(colloids: pa.Table) -> np.ndarray:
     """Radii by colloid number, (n_colloids,); the rows may come in any order."""
     return column(colloids, "radius")[np.argsort(column(colloids, "colloid"))]
+
+
+def sphere_radii_of(colloids: pa.Table) -> np.ndarray:
+    """The same where offsets from centres must mean something; `ResultsError` for a plane wall."""
+    radii = radii_of(colloids)
+    if np.any(np.isinf(radii)):
+        raise ResultsError("colloids: found a plane wall, which has no centre; this statistic is one of spheres")
+    return radii
 
 
 def neighbour_distances(colloids: pa.Table, *, box: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, vectors
-from porous_swim.analysis.places import centers_of, radii_of
+from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.results import TableInfo
 
 _BOUND = 0.5  # turns: beyond, the angle, which is known up to full turns, says nothing of how the swimmer went
@@ -31,6 +31,9 @@ def scattering(encounters: pa.Table, colloids: pa.Table, *, most_turns: float = 
     side on which the swimmer passes, as in `theory.scattering_angle`; 0 to pi unsigned where the impact
     parameter is 0. The theory's parameter is that of the straight line far away, before any flow bent it. The
     encounters need their `TableInfo`.
+
+    Raises:
+        ResultsError: a plane wall.
     """
     completed = ~(column(encounters, "end_censored") | column(encounters, "start_censored"))
     free = encounters.filter(pa.array(completed & (column(encounters, "winding") <= most_turns)))
@@ -43,7 +46,7 @@ def scattering(encounters: pa.Table, colloids: pa.Table, *, most_turns: float = 
     columns = {
         "swimmer": column(free, "swimmer"),
         "colloid": colloid,
-        "radius": radii_of(colloids)[colloid],
+        "radius": sphere_radii_of(colloids)[colloid],
         "impact_parameter": np.linalg.norm(beside, axis=1),
         "scattering_angle": np.where(np.sum(after * beside, axis=1) < 0.0, -turn, turn),
         "length": column(free, "end_time") - column(free, "start_time"),
