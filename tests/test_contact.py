@@ -43,15 +43,19 @@ def test_the_nearest_colloid_is_the_nearest_in_a_polydisperse_packing(precision)
     assert changes > 2000  # hand-overs did happen
 
 
-@pytest.mark.parametrize("dimensions", [2, 3])
-@pytest.mark.parametrize("precision", ["f32", "f64"])
-def test_a_pusher_in_a_wedge_penetrates_neither_sphere_and_makes_no_false_hop(dimensions, precision):
+@pytest.mark.parametrize(
+    ("dimensions", "precision", "integrator"),
+    [*((d, precision, "euler") for d in (2, 3) for precision in ("f32", "f64")), (2, "f32", "reflected")],
+)
+def test_a_pusher_in_a_wedge_penetrates_neither_sphere_and_makes_no_false_hop(dimensions, precision, integrator):
     # two spheres of radius 5 with a gap of 1: a swimmer of radius 1 does not pass between them
     field = field_of([[-5.5, 0, 0], [5.5, 0, 0]], 5.0, dimensions=dimensions)
     start = [[0.0, np.sqrt(36.0 - 30.25) + 0.3, 0.0]] * 8
     tilt = np.linspace(-0.2, 0.2, 8)
     director = np.stack([np.sin(tilt), -np.cos(tilt), np.zeros(8)], axis=1)
-    engine = make_engine(field, start, director, alpha=4.0, D=0.0, precision=precision, time_step=0.005)
+    engine = make_engine(
+        field, start, director, alpha=4.0, D=0.0, precision=precision, time_step=0.005, integrator=integrator
+    )  # fmt: skip
     lowest = np.inf
     for _ in range(1000):
         engine.advance(100)
@@ -83,13 +87,16 @@ def test_a_swimmer_slides_along_the_groove_between_two_spheres():
     assert angle < swept < 1.3 * angle
 
 
-def test_a_touched_neighbour_takes_over_at_the_end_of_an_encounter():
+@pytest.mark.parametrize("integrator", ["euler", "reflected"])
+def test_a_touched_neighbour_takes_over_at_the_end_of_an_encounter(integrator):
     # the gap of 2.2 is wide enough to pass and narrower than twice the escape height
     field = field_of([[-6.1, 0, 0], [6.1, 0, 0]], 5.0, dimensions=2)
     rng = np.random.default_rng(0)
     angle = rng.uniform(0, 2 * np.pi, 400)
     director = np.stack([np.cos(angle), np.sin(angle), np.zeros(400)], axis=1)
-    engine = make_engine(field, [[0.0, 3.5, 0.0]] * 400, director, alpha=2.0, D=0.02, time_step=0.002)
+    engine = make_engine(
+        field, [[0.0, 3.5, 0.0]] * 400, director, alpha=2.0, D=0.02, time_step=0.002, integrator=integrator
+    )
     engine.advance(20_000)
     rows = engine.encounters()
     order = np.lexsort((rows["start_time"], rows["swimmer"]))

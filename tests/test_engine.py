@@ -51,6 +51,12 @@ def test_the_machinery_does_not_change_a_bit(reference, name, options):
     assert advanced(crystal(name, **options)) == reference[name]
 
 
+def test_between_reflecting_walls_nothing_of_this_changes_a_bit():
+    cuts = (7, 13, 980, 500)
+    runs = [((N_STEPS,), {}), (cuts, {}), (cuts, dict(chunk=1)), (cuts, dict(lanes=1)), (cuts, dict(log_rows=8))]
+    assert len({advanced(crystal("hexagonal", integrator="reflected", **how), pieces) for pieces, how in runs}) == 1
+
+
 def test_a_log_of_8_rows_is_filled_many_times_and_loses_nothing():
     engine = crystal("fcc", log_rows=8)
     engine.advance(4 * N_STEPS)
@@ -60,9 +66,9 @@ def test_a_log_of_8_rows_is_filled_many_times_and_loses_nothing():
     assert np.count_nonzero(~rows["end_censored"]) == escapes
 
 
-@pytest.mark.parametrize("name", FIELDS)
-def test_counts_are_those_of_the_encounter_table(name):
-    engine = crystal(name)
+@pytest.mark.parametrize(("name", "integrator"), [("hexagonal", "euler"), ("fcc", "euler"), ("hexagonal", "reflected")])
+def test_counts_are_those_of_the_encounter_table(name, integrator):
+    engine = crystal(name, integrator=integrator)
     engine.advance(4 * N_STEPS)
     captures, escapes, hops, returns = engine.counts()
     rows = engine.encounters()

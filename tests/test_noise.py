@@ -5,7 +5,7 @@ import pytest
 import taichi as ti
 
 from porous_swim.engine import backend
-from porous_swim.physics.noise import make_kick, make_turn
+from porous_swim.physics.noise import make_draw, make_kick, make_turn
 from porous_swim.physics.philox import philox
 
 ONES = 0xFFFFFFFF
@@ -89,6 +89,44 @@ def test_gaussian_tails_are_served_to_five_and_a_half():
     # P(radius > 3) = exp(-4.5), binomial error
     share, p = np.mean(radius > 3.0), np.exp(-4.5)
     assert abs(share - p) < 5.0 * np.sqrt(p * (1 - p) / N)
+
+
+def draws_of(kind: str, *, seed=5, first=0) -> np.ndarray:
+    """(N, 8) variates of N swimmers at one step between reflecting walls: six, and two excursions."""
+    backend.ensure("cpu")
+    draw_one = make_draw(ti.f64, 3, kind)
+
+    @ti.kernel
+    def draw(low: ti.u32, key: ti.u32, out: ti.types.ndarray(ti.f64, 2)):
+        for i in range(out.shape[0]):
+            n, deep, aside = draw_one(ti.cast(i, ti.u32), low, ti.u32(0), key, ti.u32(0))
+            for k in ti.static(range(6)):
+                out[i, k] = n[k]
+            out[i, 6], out[i, 7] = deep, aside
+
+    out = np.zeros((N, 8))
+    draw(first, seed, out)
+    return out
+
+
+@pytest.mark.parametrize(("kind", "moments"), [("gaussian", (1.0, 3.0, 15.0)), ("uniform", (1.0, 9 / 5, 27 / 7))])
+def test_a_step_between_reflecting_walls_draws_six_variates_and_two_excursions_out_of_one_block(kind, moments):
+    n = draws_of(kind)
+    # -2 ln U is a chi-squared variate of two degrees of freedom: its moments are 2, 8, 48
+    expected = np.array(
+        [[0.0, moments[0], 0.0, moments[1], 0.0, moments[2]]] * 6 + [[2.0, 8.0, 48.0]] * 2, dtype=object
+    )
+    for column, listed in zip(n.T, expected, strict=True):
+        for power, moment in enumerate(listed, start=1):
+            sample = column**power
+            assert abs(sample.mean() - moment) < 5.0 * sample.std() / np.sqrt(N), power  # one false alarm in 4e4
+    assert n[:, 6:].max() <= 2.0 * 17.0 * np.log(2.0) * (1.0 + 1e-6)
+    n = (n - n.mean(axis=0)) / n.std(axis=0)
+    others = [draws_of(kind, first=1), draws_of(kind, seed=6), np.roll(n, 1, axis=0)]
+    assert np.all(np.abs(n.T @ n / N - np.eye(8)) < 5.0 / np.sqrt(N) + 1e-9)
+    for other in others:
+        other = (other - other.mean(axis=0)) / other.std(axis=0)
+        assert np.all(np.abs(n.T @ other / N) < 5.0 / np.sqrt(N))
 
 
 @pytest.mark.parametrize("dimensions", [2, 3])

@@ -47,16 +47,22 @@ def test_at_contact_the_nearest_point_of_the_surface_is_a_radius_away(gamma, rad
     assert nearest == pytest.approx(np.full(len(pitch), radius), rel=0, abs=4e-6)
 
 
-@pytest.mark.parametrize("precision", ["f32", "f64"])
-@pytest.mark.parametrize("dimensions", [2, 3])
-def test_a_turning_rod_never_enters_a_colloid(dimensions, precision):
+@pytest.mark.parametrize(
+    ("dimensions", "precision", "integrator"),
+    [
+        *((d, precision, "euler") for d in (2, 3) for precision in ("f32", "f64")),
+        pytest.param(2, "f32", "reflected", marks=pytest.mark.slow),
+    ],
+)
+def test_a_turning_rod_never_enters_a_colloid(dimensions, precision, integrator):
     gamma = 0.2
     field = (
         hexagonal(radius=5.0, spacing=11.0) if dimensions == 2 else field_of([[5.4] * 3], 5.0, (10.8, 10.8, 10.8))
     )  # fmt: skip
     position, director = released(field, 100, seed=2)
     engine = make_engine(
-        field, position, director, alpha=0.3, gamma=gamma, D=0.02, D_r=0.5, precision=precision, time_step=0.01
+        field, position, director, alpha=0.3, gamma=gamma, D=0.02, D_r=0.5, precision=precision, time_step=0.01,
+        integrator=integrator,
     )  # fmt: skip
     n_near = 0
     for _ in range(150):

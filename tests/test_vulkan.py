@@ -49,15 +49,17 @@ def test_the_search_and_the_first_contacts_are_those_of_the_cpu_to_the_bit(field
     assert counts["vulkan"] == counts["cpu"] == (10, 0, 0, 0)
 
 
-def test_swimmers_and_encounters_are_those_of_the_cpu_to_the_bit():
+@pytest.mark.parametrize("integrator", ["euler", "reflected"])
+def test_swimmers_and_encounters_are_those_of_the_cpu_to_the_bit(integrator):
     field = hexagonal(cells=(2, 1))
     position, director = released(field, 48)
     prints, counts = {}, {}
     for device in ("cpu", "vulkan"):
         # long steps, so that encounters begin, end and hop within the few steps that a software driver affords
         engine = make_engine(
-            field, position, director, device=device, time_step=0.04, escape_sine=0.3, alpha=4.0, D=0.05
-        )
+            field, position, director, device=device, time_step=0.04, escape_sine=0.3, alpha=4.0, D=0.05,
+            integrator=integrator,
+        )  # fmt: skip
         engine.advance(160)
         prints[device], counts[device] = fingerprint(engine), engine.counts()
     assert prints["vulkan"] == prints["cpu"]

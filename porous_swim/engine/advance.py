@@ -12,6 +12,7 @@ from porous_swim.engine.encounters import make_encounters, make_orient
 from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
 from porous_swim.engine.move import make_step
+from porous_swim.engine.reflect import make_reflect
 from porous_swim.engine.settle import make_settle
 from porous_swim.engine.state import N_SHARED_INTS, Event, Int, LaneInt, Law, Long, Total, real_rows
 from porous_swim.engine.swimmers import Rules, Swimmers
@@ -19,6 +20,7 @@ from porous_swim.obstacles.search import Medium
 from porous_swim.physics.contact import HardContact, Shape
 from porous_swim.physics.euler import make_euler
 from porous_swim.physics.located import make_motion
+from porous_swim.physics.reflected import make_reflected
 from porous_swim.physics.surface import Surface, make_surface
 
 
@@ -32,7 +34,7 @@ class Structure:
     dimensions: int
     real: Any  # ti.f32 or ti.f64
     lanes: int
-    integrator: str = "euler"  # or "located"
+    integrator: str = "euler"  # or "located", "reflected"
     surface: Surface = "sphere"  # of the obstacles
 
 
@@ -42,11 +44,14 @@ def make_mover(structure: Structure):
     real, dimensions = structure.real, structure.dimensions
     drift = structure.hydrodynamics.make_drift(real, structure.surface)
     contact_height = HardContact.make_height(real, structure.shape)
+    height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
     sphere, surface = structure.shape == "sphere", structure.surface
     if structure.integrator == "located":
-        height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
         rate = make_motion(drift, real, height_and_slope, surface)
         return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
+    if structure.integrator == "reflected":
+        integrate = make_reflected(drift, real, dimensions, structure.variates, height_and_slope, surface)
+        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface)
     integrate = make_euler(drift, real, dimensions, structure.variates)
     return make_step(real, dimensions, integrate, contact_height, sphere, surface)
 
@@ -101,11 +106,12 @@ def make_advance(structure: Structure):
     contact_height = HardContact.make_height(real, structure.shape)
     located, surface = structure.integrator == "located", structure.surface
     step = make_mover(structure)
-    book = make_book(real, dimensions, surface, located)
+    sphere, integrator = structure.shape == "sphere", structure.integrator
+    book = make_book(real, dimensions, surface, integrator)
     get, _ = make_vectors(dimensions)
-    settle = make_settle(real, dimensions, contact_height, structure.shape == "sphere", surface, located)
+    settle = make_settle(real, dimensions, contact_height, sphere, surface, integrator)
     orient = make_orient(real, dimensions, located)
-    encounters = make_encounters(real, dimensions, contact_height, structure.shape == "sphere", surface)
+    encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator == "reflected")
     to = make_surface(real, surface)
     load, store = make_lanes(real, dimensions, lanes)
     Reals, Ints = (

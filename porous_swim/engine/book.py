@@ -9,10 +9,12 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
+from porous_swim.physics.bridge import NEAREST, crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
 
 TWO_PI = 6.283185307179586
+MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
 
 
 @cache
@@ -88,12 +90,13 @@ def make_unwound(real):
 
 
 @cache
-def make_book(real, dimensions: int, surface: Surface, located: bool = False):
+def make_book(real, dimensions: int, surface: Surface, integrator: str):
     """Return `book(f, n, j, on, rules, least)`, which commits the trial move of lane j where `on`.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
-    of the trial above the colloid of the encounter.
+    of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
     """
+    located, reflected = integrator == "located", integrator == "reflected"
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
     turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
@@ -111,15 +114,19 @@ def make_book(real, dimensions: int, surface: Surface, located: bool = False):
             n[Int.STEP, j] += ti.select(on & ends, 1, 0)
         else:
             n[Int.STEP, j] += ti.select(on, 1, 0)
+        if ti.static(reflected):
+            f[rows.clock, j] = ti.select(on, real(MIDDLE), f[rows.clock, j])
 
     @ti.func
-    def weigh(f: ti.template(), n: ti.template(), j, on, h, low):
+    def weigh(f: ti.template(), n: ti.template(), j, on, h, low, left):
         """Add the height and the time in contact, in steps."""
         if ti.static(located):
             part = f[rows.trial_clock, j] - f[rows.clock, j]
             add(f, rows.height, j, on, f[rows.trial_height, j])
             f[rows.contact_clock, j] += ti.select(on & (n[LaneInt.LOW, j] != 0), part, real(0.0))
         else:
+            if ti.static(reflected):  # the encounter ended in the middle of the step
+                h *= ti.select(left, real(1.0 + MIDDLE), real(1.0))
             add(f, rows.height, j, on, h)
             n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
 
@@ -131,15 +138,35 @@ def make_book(real, dimensions: int, surface: Surface, located: bool = False):
             ends = f[rows.trial_clock, j] >= real(1.0)
             after, clock = ti.select(ends, after, after - 1), ti.select(ends, real(0.0), f[rows.trial_clock, j])
             f[rows.release_clock, j] = ti.select(at_wall, clock, f[rows.release_clock, j])
+        if ti.static(reflected):
+            f[rows.release_clock, j] = ti.select(at_wall, real(MIDDLE), f[rows.release_clock, j])
         n[LaneInt.RELEASE, j] = ti.select(at_wall, after, n[LaneInt.RELEASE, j])
         f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
         f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
 
     @ti.func
-    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least, r0, r1, e0, R, s):
+    def crossings(f: ti.template(), j, rules: ti.template(), r0, e0, h, s):
+        """Whether the path went above the escape height, and past the escape pitch, within the step."""
+        R = to.distance(r0)
+        out = ti.max(R, real(NEAREST))
+        s0, bend = to.sine(r0, e0, out), to.bend(real(1.0), out)
+        kick, turn = f[rows.kick, j] * f[rows.kick, j], f[rows.turn, j] * f[rows.turn, j]
+        left = crosses(rules.escape_height, R - f[rows.bound_A, j], h, kick, f[rows.height_excursion, j])
+        variance = (turn + kick * bend * bend) * (real(1.0) - s0 * s0)
+        return left, crosses(f[rows.escape_sine, j], s0, s, variance, f[rows.pitch_excursion, j])
+
+    @ti.func
+    def press(f: ti.template(), j, bound, free, least):
+        """Note the touch of a wall within the step, and of a free swimmer the push: it may begin an encounter."""
+        push = f[rows.trial_push, j]
+        lowest = ti.min(f[rows.min_height, j], least)
+        f[rows.min_height, j] = ti.select(bound & (push > real(0.0)), lowest, f[rows.min_height, j])
+        f[rows.push, j] = ti.select(free, push, f[rows.push, j])
+
+    @ti.func
+    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least, r0, r1, e0, h, s, left):
         """Add the step to the record of the encounter under way."""
         along, angle = turns(r0, r1, e0)
-        h = R - f[rows.bound_A, j]
         add(f, rows.winding, j, on, along)
         if ti.static(dimensions == 2):
             add(f, rows.signed, j, on, angle)
@@ -148,9 +175,11 @@ def make_book(real, dimensions: int, surface: Surface, located: bool = False):
         f[rows.max_height, j] = ti.select(on, ti.max(h, f[rows.max_height, j]), f[rows.max_height, j])
         above = h - least
         low = above <= ti.max(rules.contact_band, rules.tolerance)
-        weigh(f, n, j, on, h, low)
-        hold(f, n, j, on & (above <= ti.min(rules.tolerance, rules.margin)), s)  # at the wall but for rounding
-        return h
+        weigh(f, n, j, on, h, low, left)
+        at_wall = above <= ti.min(rules.tolerance, rules.margin)  # but for rounding
+        if ti.static(reflected):
+            at_wall |= f[rows.trial_push, j] > real(0.0)
+        hold(f, n, j, on & at_wall, s)
 
     @ti.func
     def book(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least):
@@ -160,10 +189,17 @@ def make_book(real, dimensions: int, surface: Surface, located: bool = False):
         R = to.distance(r1)
         s = to.sine(r1, e1, R)
         bound = on & (n[Int.PHASE, j] == int(Phase.BOUND))
-        h = record(f, n, j, bound, rules, least, r0, r1, e0, R, s)
+        h = R - f[rows.bound_A, j]
+        left, passed = h > rules.escape_height, s > f[rows.escape_sine, j]
+        if ti.static(reflected):
+            crossed_height, crossed_pitch = crossings(f, j, rules, r0, e0, h, s)
+            left, passed = left | crossed_height, passed | crossed_pitch
+        record(f, n, j, bound, rules, least, r0, r1, e0, h, s, left)
+        if ti.static(reflected):
+            press(f, j, bound, on & (n[Int.PHASE, j] != int(Phase.BOUND)), least)
         touch = on & (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
-        passed = on & (n[LaneInt.WATCH_PITCH, j] != 0) & (s > f[rows.escape_sine, j])
-        left = bound & (h > rules.escape_height)
+        passed &= on & (n[LaneInt.WATCH_PITCH, j] != 0)
+        left &= bound
         events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(passed, int(Event.PITCH), 0)
         n[Int.EVENT, j] |= events | ti.select(left, int(Event.ESCAPE), 0)
         tick(f, n, j, on)

@@ -53,8 +53,11 @@ def make_orient(real, dimensions: int, located: bool):
 
 
 @cache
-def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
-    """Return `capture(f, n, j, i, swimmers, medium, rules, k, image)`, which opens an encounter with colloid k."""
+def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface, reflected: bool):
+    """Return `capture(f, n, j, i, swimmers, medium, rules, k, image, struck)`, which opens an encounter with colloid k.
+
+    `struck` says whether it begins at the wall; it does not in a direct hop.
+    """
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
@@ -72,7 +75,7 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
 
     @ti.func
     def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
-                rules: ti.template(), k, image):  # fmt: skip
+                rules: ti.template(), k, image, struck):  # fmt: skip
         count(i, swimmers, k, image)
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
@@ -83,9 +86,16 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         e = get(f, rows.e, j)
         R = to.distance(r)
         s, h = to.sine(r, e, R), R - medium.radius[k]
+        least = contact_height(s, f[rows.gamma, j], medium.radius[k])
+        touch, low = h <= least + rules.tolerance, h
+        if ti.static(reflected):  # the wall was touched within the step, and may have been left again
+            touch |= struck
+            low = ti.select(struck, ti.min(h, least), h)
+            r = to.at(r, R, medium.radius[k] + low)
         for d in ti.static(range(dimensions)):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
+        push = ti.select(struck, f[rows.push, j], real(0.0))
         for row in ti.static(range(rows.winding, rows.min_height)):
             f[row, j] = real(0.0)
         f[rows.min_height, j], f[rows.max_height, j] = h, h
@@ -93,7 +103,6 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         if threshold < real(-1.0):
             threshold = lift_off_sine(medium.radius[k], f[rows.alpha, j], f[rows.gamma, j])
         f[rows.escape_sine, j] = threshold
-        touch = h <= contact_height(s, f[rows.gamma, j], medium.radius[k]) + rules.tolerance
         f[rows.release_sine, j], f[rows.release_winding, j] = s, real(0.0)
         n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j] = -1, 0
         step = rules.first + n[Int.STEP, j]
@@ -104,12 +113,18 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
             f[row, j] = f[rows.clock, j]
         f[rows.contact_clock, j] = real(0.0)
+        if ti.static(reflected):  # what is left of the step counts, and the push at first contact
+            f[rows.push, j] = push
+            f[rows.min_height, j] = low
+            f[rows.height, j] = -f[rows.clock, j] * h
+            in_band = h - least <= ti.max(rules.contact_band, rules.tolerance)
+            f[rows.contact_clock, j] = ti.select(in_band, -f[rows.clock, j], real(0.0))
 
     return capture
 
 
 @cache
-def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
+def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface, reflected: bool):
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
@@ -117,7 +132,7 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
     rows = real_rows(dimensions)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    capture = make_capture(real, dimensions, contact_height, sphere, surface)
+    capture = make_capture(real, dimensions, contact_height, sphere, surface, reflected)
     to = make_surface(real, surface)
     log_row = make_log(real, dimensions)
 
@@ -145,6 +160,8 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
             f[rows.pitch_clock, j] = f[rows.clock, j]
         late = passed & (phase == int(Phase.LEFT))
         written = True
+        if escaped:  # a reflected path may have come back from there
+            f[rows.max_height, j] = ti.max(f[rows.max_height, j], rules.escape_height)
         if escaped | late:
             written = log_row(f, n, j, i, swimmers, log, step, late)
         if written:
@@ -159,6 +176,7 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
                 phase = int(Phase.FREE)
             if escaped:
                 ti.atomic_add(swimmers.total[int(Total.ESCAPES)], 1)
+                f[rows.push, j] = real(0.0)
                 awaited = (n[LaneInt.WATCH_PITCH, j] != 0) & (not passed)
                 phase = ti.select(awaited, int(Phase.LEFT), int(Phase.FREE))
                 if within_reach(f, j, i, swimmers, medium, rules.escape_height):  # a direct hop
@@ -169,6 +187,6 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
             if struck & (not bound):
                 target, target_image = k, image
             if target >= 0:
-                capture(f, n, j, i, swimmers, medium, rules, target, target_image)
+                capture(f, n, j, i, swimmers, medium, rules, target, target_image, struck)
 
     return encounters

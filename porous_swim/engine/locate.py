@@ -74,7 +74,7 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
     stride = make_stride(rate, real, dimensions, surface)
-    book = make_book(real, dimensions, surface, located=True)
+    book = make_book(real, dimensions, surface, "located")
     switched, passed, is_low = make_passed(real, dimensions, height_and_slope, contact_height, sphere, surface)
     to = make_surface(real, surface)
 

@@ -21,7 +21,7 @@ def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, su
     """
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
-    book = make_book(real, dimensions, surface)
+    book = make_book(real, dimensions, surface, "euler")
     to = make_surface(real, surface)
 
     @ti.func

@@ -84,13 +84,14 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool, surface: S
 
 
 @cache
-def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Surface, located: bool):
+def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
     """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
     is set anew: half of the lead of the nearest surface, so that no other can be nearer within it. A swimmer no
-    higher than `band` above contact touches.
+    higher than `band` above contact touches, and so does one that a reflecting wall has pushed on its way.
     """
+    reflected = integrator == "reflected"
     rows = real_rows(dimensions)
     get, put = make_vectors(dimensions)
     between = make_between(real, dimensions)
@@ -106,23 +107,35 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             f[rows.trial_push, j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
 
     @ti.func
-    def set_budget(f: ti.template(), j, y, found, rules: ti.template()):
+    def set_budget(f: ti.template(), j, i, y, found, swimmers: ti.template(), rules: ti.template()):
         budget = real(0.5) * (found.second - found.first)
         if ti.static(
             not sphere
         ):  # the second nearest may stop a rod that the nearest lets pass, or have it in its band
             budget = ti.min(budget, found.second - real(1.0) - ti.max(rules.contact_band, rules.tolerance))
         budget = ti.max(real(0.0), budget - rules.margin)
+        if ti.static(reflected):  # a later touch is that of the nearest
+            struck, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
+            budget = ti.select(same(struck, image, found.near, found.image), budget, real(0.0))
         f[rows.budget, j] = budget * budget
         put(f, rows.reference, j, y)
 
     @ti.func
     def strike(
-        n: ti.template(), j, i, swimmers: ti.template(), found, tolerance, last, last_image, before, before_image
-    ):
-        """Name the colloid that a contact is with; in a wedge the one that is not that of the encounter."""
+        n: ti.template(), j, i, swimmers: ti.template(), found, tolerance,
+        last, last_image, before, before_image, push_k, push_image,
+    ):  # fmt: skip
+        """Name the colloid that a contact is with; in a wedge the one that is not that of the encounter.
+
+        `push_k` is the colloid whose reflecting wall has pushed the swimmer on its way; -1 if none.
+        """
         deep = found.depth >= -tolerance
-        k, image = ti.select(deep, found.deep, found.near), ti.select(deep, found.deep_image, found.image)
+        k, image = found.near, found.image
+        if ti.static(reflected):
+            pushed = (before < 0) & (push_k >= 0)
+            before, before_image = ti.select(pushed, push_k, before), ti.select(pushed, push_image, before_image)
+            k, image = ti.select(push_k >= 0, push_k, k), ti.select(push_k >= 0, push_image, image)
+        k, image = ti.select(deep, found.deep, k), ti.select(deep, found.deep_image, image)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
         bound = n[Int.PHASE, j] == int(Phase.BOUND)
         other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
@@ -160,7 +173,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
                 medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance
             )
             push_off(f, j, y, z)
-            if ti.static(located):
+            if ti.static(integrator == "located"):
                 pair(i, swimmers, found, k, image)
             if not same(k, image, found.near, found.image):
                 shift = between(medium, found.near, found.image, k, image)
@@ -168,11 +181,17 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
                 put(f, rows.x, j, x + shift)
                 swimmers.int[int(Int.COLLOID), i] = found.near
                 put_image(swimmers, int(Int.IMAGE), i, found.image)
-            strike(n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image)
-            set_budget(f, j, z, found, rules)
+            pushed = False
+            if ti.static(reflected):
+                pushed = n[LaneInt.TOUCH, j] != 0
+            strike(
+                n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image,
+                ti.select(pushed, k, -1), image,
+            )  # fmt: skip
+            set_budget(f, j, i, z, found, swimmers, rules)
             put(f, rows.trial_x, j, z)
             put(f, rows.trial_e, j, d)
-            n[LaneInt.TOUCH, j] = ti.cast(found.depth >= -band, ti.i32)
+            n[LaneInt.TOUCH, j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
                     stop(n, j, i, swimmers, Status.OUTSIDE)

@@ -112,7 +112,8 @@ def real_rows(dimensions: int) -> SimpleNamespace:
     The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
     in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
     `clock` is the part of the present step that is behind a swimmer, and `*_clock` what a number of whole steps
-    lacks: a scheme that ends steps only as wholes leaves them at zero.
+    lacks: a scheme that ends steps only as wholes leaves them at zero, and one whose paths cross thresholds within a
+    step has them in its middle.
     """
     rows = SimpleNamespace()
 
@@ -136,6 +137,7 @@ def real_rows(dimensions: int) -> SimpleNamespace:
     rows.n_lanes = number(
         rows.n_shared,
         "bound_offset mate_offset trial_x trial_rest trial_e",
-        "A bound_A mate_A alpha bretherton kick turn gamma trial_push trial_clock trial_height",
+        "A bound_A mate_A alpha bretherton kick turn gamma trial_push trial_clock trial_height "
+        "height_excursion pitch_excursion",
     )
     return rows

@@ -1,7 +1,8 @@
-"""Six random variates of mean 0 and variance 1 out of one 128-bit block, without library calls.
+"""Random variates out of one 128-bit block, without library calls.
 
-The block is cut into six integers of 21 bits. Straight-line code on integers and single precision, so that
-it vectorises and gives the same bits at any lane width.
+The block is cut into six integers of 21 bits, or where a step needs more of them into halves of its words or into
+parts of 20 and 12 bits. Straight-line code on integers and single precision, so that it vectorises and gives the same
+bits at any lane width.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
@@ -25,17 +26,24 @@ def split(w0, w1, w2, w3):
 
 
 @ti.func
-def uniform(i):
-    """Uniform on [-sqrt 3, sqrt 3] from a 21-bit integer, at the middles of 2^21 intervals."""
-    return (ti.cast(i, ti.f32) - ti.f32(2**20 - 0.5)) * ti.f32(SQRT_12 / 2**BITS)
+def cut(w, low_bits: ti.template()):
+    """The high and the low part of a word as signed integers; the low one has `low_bits`."""
+    low = w & ti.u32((1 << low_bits) - 1)
+    return ti.cast(w >> ti.u32(low_bits), ti.i32), ti.cast(low, ti.i32)
 
 
 @ti.func
-def minus_two_log(i):
-    """-2 ln((i + 1/2) / 2^21) for a 21-bit integer; relative error below 2e-7 (polynomial: Cephes logf)."""
-    bits = ti.bit_cast(ti.cast(2 * i + 1, ti.f32), ti.i32)
+def uniform(i, bits: ti.template()):
+    """Uniform on [-sqrt 3, sqrt 3] from an integer of `bits` bits, at the middles of 2^bits intervals."""
+    return (ti.cast(i, ti.f32) - ti.f32(2 ** (bits - 1) - 0.5)) * ti.f32(SQRT_12 / 2**bits)
+
+
+@ti.func
+def minus_two_log(i, bits: ti.template()):
+    """-2 ln((i + 1/2) / 2^bits) for an integer of `bits` bits; relative error below 2e-7 (polynomial: Cephes logf)."""
+    pattern = ti.bit_cast(ti.cast(2 * i + 1, ti.f32), ti.i32)
     # the mantissa is brought to [sqrt(1/2), sqrt 2): subtract the bits of sqrt(1/2), keep the exponent
-    shifted = bits - ti.i32(0x3F3504F3)
+    shifted = pattern - ti.i32(0x3F3504F3)
     exponent = shifted >> 23
     m = ti.bit_cast((shifted & ti.i32(0x007FFFFF)) + ti.i32(0x3F3504F3), ti.f32) - ti.f32(1.0)
     p = ti.f32(7.0376836292e-2)
@@ -43,13 +51,17 @@ def minus_two_log(i):
         p = p * m + ti.f32(c)
     square = m * m
     log_m = m - ti.f32(0.5) * square + square * m * p
-    return ti.f32(-2.0) * (log_m + ti.cast(exponent - (BITS + 1), ti.f32) * ti.f32(0.69314718056))
+    return ti.f32(-2.0) * (log_m + ti.cast(exponent - (bits + 1), ti.f32) * ti.f32(0.69314718056))
 
 
 @ti.func
-def circle(i):
-    """A point of the unit circle, uniform in angle, from a 21-bit integer: 18 bits of octant, 3 of symmetry."""
-    t = (ti.cast(i & 0x3FFFF, ti.f32) + ti.f32(0.5)) * ti.f32(0.7853981633974483 / 2**18)
+def circle(i, bits: ti.template()):
+    """A point of the unit circle, uniform in angle, from an integer of `bits` bits, of which 3 are for symmetry.
+
+    Powers of the coordinates up to 2^bits - 1 have the means of a continuous angle.
+    """
+    octant = ti.static(1 << (bits - 3))
+    t = (ti.cast(i & (octant - 1), ti.f32) + ti.f32(0.5)) * ti.f32(0.7853981633974483 / octant)
     square = t * t
     s = ti.f32(2.718311493989822e-6)
     for c in ti.static((-1.98393348360966317e-4, 8.33332938588946317e-3, -1.66666666416265235e-1, 1.0)):
@@ -58,14 +70,17 @@ def circle(i):
     c = ti.f32(2.44331571180948e-5)
     for k in ti.static((-1.38873162549376e-3, 4.16666418707325e-2, -0.5, 1.0)):
         c = c * square + ti.f32(k)
-    swap = (i & (1 << 18)) != 0
+    swap = (i & octant) != 0
     x, y = ti.select(swap, s, c), ti.select(swap, c, s)
-    return ti.select((i & (1 << 19)) != 0, -x, x), ti.select((i & (1 << 20)) != 0, -y, y)
+    return ti.select((i & (2 * octant)) != 0, -x, x), ti.select((i & (4 * octant)) != 0, -y, y)
 
 
 @ti.func
-def gaussian_pair(i, j):
-    """Two independent Gaussian variates (Box and Muller 1958) from two 21-bit integers; tails to 5.5."""
-    r = ti.sqrt(minus_two_log(i))
-    x, y = circle(j)
+def gaussian_pair(i, i_bits: ti.template(), j, j_bits: ti.template()):
+    """Two independent Gaussian variates (Box and Muller 1958) from two integers.
+
+    Their tails reach to sqrt(2 (i_bits + 1) ln 2): 5.5 from 21 bits, 5.4 from 20.
+    """
+    r = ti.sqrt(minus_two_log(i, i_bits))
+    x, y = circle(j, j_bits)
     return r * x, r * y

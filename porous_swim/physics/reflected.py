@@ -1,0 +1,86 @@
+"""Time stepping with noise whose bias is of first order in the step or less, at walls too.
+
+The drift is the mean of that at the start and at a predicted end (Heun), the director turns by one exact rotation, and
+the wall holds the swimmer as it holds a continuous path: by the lowest point of the Brownian bridge of the gap above
+contact (Lepingle, Math. Comput. Simul. 38, 119, 1995). A sphere's gap has the variance 2 D dt of a step; that of a
+spheroid gains from the turn of the director relative to the wall, by the slope of the contact height at the start.
+"""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.physics.bridge import NEAREST, reflection
+from porous_swim.physics.noise import make_draw, make_turn
+from porous_swim.physics.rounding import rounded
+from porous_swim.physics.surface import Surface, make_surface
+
+
+@cache
+def make_twist(dimensions: int):
+    """Return `twist(e, rate)`, the rate of a director in the form that `noise.make_turn` takes."""
+    if dimensions == 2:
+
+        @ti.func
+        def twist(e, rate):
+            return ti.Vector([rounded(e[0] * rate[1]) - rounded(e[1] * rate[0])])
+
+    else:
+
+        @ti.func
+        def twist(e, rate):
+            return rate
+
+    return twist
+
+
+@cache
+def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope, surface: Surface):
+    """Return `move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1)`.
+
+    `law` holds alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt). It gives the displacement, as if there were no wall, and the
+    director; the gap at the start, its variance over the step and its excursion; and the excursion of the pitch.
+    """
+    draw = make_draw(real, dimensions, variates)
+    turn = make_turn(real, dimensions)
+    twist = make_twist(dimensions)
+    to = make_surface(real, surface)
+
+    @ti.func
+    def turned(e, w):
+        """The director turned; by at most one radian in each direction, as far as the series of `turn` goes."""
+        return turn(e, ti.max(real(-1.0), ti.min(w, real(1.0))))
+
+    @ti.func
+    def predict(x, e, dx, de, A, gamma, gap0, least, slope, s0, variance, deep):
+        """Where a swimmer is at the end by the first drift; contact heights along their tangent, never below gamma."""
+        e1, x1 = turned(e, de), x + dx
+        R = to.distance(x1)
+        out = ti.max(R, real(NEAREST))
+        least = ti.max(least + slope * (to.sine(x1, e1, out) - s0), gamma)
+        return x1 + to.along(x1, out, reflection(gap0, rounded(R - A - least), variance, deep)), e1
+
+    @ti.func
+    def move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1):
+        g, deep, aside = draw(swimmer, step_low, step_high, k0, k1)
+        kick = rounded(law[2] * ti.Vector([g[d] for d in ti.static(range(dimensions))]))
+        wobble = rounded(law[3] * ti.Vector([g[3 + d] for d in ti.static(range(2 * dimensions - 3))]))
+        R = to.distance(x)
+        out = ti.max(R, real(NEAREST))
+        s, bend = to.sine(x, e, out), to.bend(real(1.0), out)
+        least, slope = height_and_slope(s, gamma, A)
+        gap = rounded(R - A - least)
+        tilt = slope * slope * (real(1.0) - s * s)
+        variance = law[2] * law[2] + tilt * (law[3] * law[3] + law[2] * law[2] * bend * bend)
+        velocity, rate = drift(x, e, A, law[0], law[1])
+        spin = twist(e, rate)
+        x1, e1 = predict(
+            x, e, dt * (e + velocity) + kick, dt * spin + wobble, A, gamma, gap, least, slope, s, variance, deep
+        )  # fmt: skip
+        velocity1, rate1 = drift(x1, e1, A, law[0], law[1])
+        half = real(0.5) * dt
+        dx = half * (e + velocity + (e1 + velocity1)) + kick
+        return dx, turned(e, half * (spin + twist(e1, rate1)) + wobble), gap, variance, deep, aside
+
+    return move
