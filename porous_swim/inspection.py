@@ -18,6 +18,8 @@ from porous_swim.scene import Scene
 NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
     ("euler", "f32"): {"sphere": 23.0, "flat": 23.0, "rod": 55.0, "needle": 170.0},
     ("euler", "f64"): {"sphere": 45.0, "flat": 45.0, "rod": 130.0, "needle": 350.0},
+    ("reflected", "f32"): {"sphere": 34.0, "flat": 34.0, "rod": 65.0, "needle": 240.0},
+    ("reflected", "f64"): {"sphere": 60.0, "flat": 60.0, "rod": 170.0, "needle": 500.0},
     ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
 }
 BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device

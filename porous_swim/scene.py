@@ -155,9 +155,11 @@ class Scene(Part):
 
     @property
     def integrator(self) -> str:
-        """`euler` or `located`."""
+        """`euler`, `reflected` or `located`."""
         if self.run.integrator == "auto":
-            return "euler" if isinstance(self.noise, Brownian) or self.run.precision == "f32" else "located"
+            if isinstance(self.noise, Brownian):
+                return "reflected"
+            return "euler" if self.run.precision == "f32" else "located"
         return self.run.integrator
 
     @property
@@ -223,6 +225,8 @@ class Scene(Part):
         self.encounter.check()
         if self.run.integrator == "located" and (isinstance(self.noise, Brownian) or self.run.precision == "f32"):
             raise KeyedError("run.integrator", "located is for runs without noise in f64: expected euler or auto")
+        if self.run.integrator == "reflected" and not isinstance(self.noise, Brownian):
+            raise KeyedError("run.integrator", "reflected is for runs with noise: expected located, euler or auto")
         return self
 
     def _placed(self, error: KeyedError) -> Exception:

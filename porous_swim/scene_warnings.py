@@ -18,11 +18,20 @@ _NOTEWORTHY_JUMP = 0.1  # of the swimming speed
 _LONG_KICK = 0.1  # half-lengths or radians in one step
 _LONG_STEP = 0.05  # half-lengths swum in one step
 _LARGE_RADIUS = 2000.0  # a
+# docs/convergence.md: residence times between reflecting walls are this much short, times step and rate of the flow
+_SHORT = 0.11
+_NOTEWORTHY_BIAS = 0.01
 
 
 def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
     """Return the warnings for a scene and its colloids."""
-    return [*_step(scene), *_clamp(scene, field), *_rounding(scene, field), *_mid_planes(scene, field)]
+    return [
+        *_step(scene),
+        *_clamp(scene, field),
+        *_flow(scene, field),
+        *_rounding(scene, field),
+        *_mid_planes(scene, field),
+    ]
 
 
 def _step(scene: Scene) -> Iterator[str]:
@@ -44,12 +53,29 @@ def _step(scene: Scene) -> Iterator[str]:
 
 def _clamp(scene: Scene, field: ObstacleField) -> Iterator[str]:
     # Measured: 1.3 % at dt 0.001 at one colloid of radius 20, 10 % at 0.005 in a hexagonal crystal.
-    if (scene.translational_diffusion or scene.rotational_diffusion) and len(field.radii):
+    noisy = scene.translational_diffusion or scene.rotational_diffusion
+    if scene.integrator == "euler" and noisy and len(field.radii):
         root = sqrt(scene.run.time_step)
         yield (
             "euler steps with noise hold a swimmer too long at a wall: at run.time_step "
             f"{scene.run.time_step:g} residence times are about {41.0 * root:.1f} % long at a large colloid "
-            f"and {140.0 * root:.0f} % in a tight crystal; the bias falls as the square root of the step"
+            f"and {140.0 * root:.0f} % in a tight crystal; the bias falls as the square root of the step, "
+            "and run.integrator: reflected has none of it"
+        )
+
+
+def _flow(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    """The flow must not change much over what a swimmer moves in a step: at contact it is 3 alpha/(8 h^2)."""
+    if scene.integrator != "reflected" or scene.hydrodynamics.kind == "none" or len(field.radii) == 0:
+        return
+    dt, alpha, gamma = scene.run.time_step, scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio
+    rate = 0.75 * abs(alpha) / gamma**3
+    bias = _SHORT * rate * dt
+    if bias > _NOTEWORTHY_BIAS:
+        yield (
+            f"run.time_step {dt:g} is long for alpha = {alpha:.4g}: the flow at contact changes at a rate of "
+            f"{rate:.3g} U/a, and residence times may be {100.0 * bias:.1g} % short; keep it below "
+            f"{_NOTEWORTHY_BIAS / (_SHORT * rate):.2g}"
         )
 
 

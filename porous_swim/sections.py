@@ -57,10 +57,12 @@ class Run(Part):
     """Every random number follows from it."""
     precision: Literal["auto", "f32", "f64"] = "auto"
     """`auto`: f64 without noise, where small errors grow; f32 with noise."""
-    integrator: Literal["auto", "euler", "located"] = "auto"
-    """`auto`: located without noise, euler with. `euler`: one forward step, then the swimmer is put back on the surface
-    if it went below contact. `located` (without noise, f64): eighth order, step ends and every event located to
-    rounding, so that `time_step` only sets the times at which the run can be looked at."""
+    integrator: Literal["auto", "euler", "reflected", "located"] = "auto"
+    """`auto`: reflected with noise, located without (in f32 euler). `euler`: one forward step, then the swimmer is put
+    back on the surface if it went below contact. `reflected` (with noise): second order in the drift; walls hold a
+    swimmer, and thresholds are passed, as by a continuous path, so that steps may be 20 times as long. `located`
+    (without noise, f64): eighth order, step ends and every event located to rounding, so that `time_step` only sets
+    the times at which the run can be looked at."""
     device: Literal["auto", "cpu", "cuda", "vulkan", "metal"] = "auto"
     """Where to compute; `auto` takes a GPU if there is one."""
     threads: Annotated[Whole, Field(ge=1)] | None = None

@@ -49,11 +49,12 @@ LATTICES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-def crystal(case: str, count: int, *, time_step: float, seed: int) -> ps.Scene:
+def crystal(case: str, count: int, *, time_step: float, seed: int, integrator: str = "euler") -> ps.Scene:
     """Swimmers released all over a crystal, for 300 a/U."""
     lattice = LATTICES[case]
     return make_scene(
         swimmers={"count": count, "dipole_strength": lattice["alpha"], "release": {"kind": "uniform"}},
         obstacles=lattice["obstacles"], dimensions=lattice["dimensions"], D=lattice["D"],
-        run={"time_step": time_step, "duration": 300.0, "seed": seed}, record={"every": 10.0, **NO_FRAMES},
+        run={"time_step": time_step, "duration": 300.0, "seed": seed, "integrator": integrator},
+        record={"every": 10.0, **NO_FRAMES},
     )  # fmt: skip

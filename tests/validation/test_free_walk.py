@@ -1,9 +1,12 @@
-"""Swimmers without colloids, against the exact moments of the persistent random walk that Euler steps make.
+"""Swimmers without colloids, against the exact moments of the persistent random walk that their steps make.
 
-A director that turns at random at every step keeps on average the share c of its direction. With n steps dt, each
-along the director at its start, in d dimensions,
+A director that turns at random at every step keeps on average the share c of its direction. With n steps dt, in d
+dimensions,
 
-    <e(n dt).e(0)> = c^n,   <|x|^2> = 2 d D n dt + dt^2 [n (1 + c)/(1 - c) - 2 c (1 - c^n)/(1 - c)^2].
+    <e(n dt).e(0)> = c^n,   <|x|^2> = 2 d D n dt + dt^2 sum over j, k = 0..n of w_j w_k c^|j - k|,
+
+where an Euler step goes along the director at its start, w = 1, ..., 1, 0, and a step between reflecting walls along
+the mean of the directors at its ends, w = 1/2, 1, ..., 1, 1/2.
 """
 
 from __future__ import annotations
@@ -21,10 +24,10 @@ from tests.validation.scenes import make_scene
 D, D_r = 0.05, 0.3  # not D_r = 3 D/4, so that neither can stand in for the other
 TIME_STEP, DURATION, EVERY = 0.05, 20.0, 2.5
 # (dimensions, precision, variates); each is a kernel of its own, whose first compilation takes far longer than the run
-REDUCED = [(2, "f64", "gaussian"), (3, "f32", "gaussian"), (3, "f32", "uniform")]
-FULL = list(product((2, 3), ("f32", "f64"), ("gaussian", "uniform")))
+REDUCED = [(2, "f64", "gaussian", "euler"), (3, "f32", "gaussian", "euler"), (3, "f32", "uniform", "euler")]
+FULL = list(product((2, 3), ("f32", "f64"), ("gaussian", "uniform"), ("euler", "reflected")))
 kinds = pytest.mark.parametrize(
-    ("count", "dimensions", "precision", "variates"),
+    ("count", "dimensions", "precision", "variates", "integrator"),
     [(20_000, *kind) for kind in REDUCED] + [pytest.param(200_000, *kind, marks=pytest.mark.slow) for kind in FULL],
 )
 
@@ -44,23 +47,24 @@ def kept_share(dimensions: int, variates: str) -> float:
 
 
 @kinds
-def test_a_free_swimmer_is_the_persistent_random_walk_of_its_steps(count, dimensions, precision, variates):
+def test_a_free_swimmer_is_the_persistent_random_walk_of_its_steps(count, dimensions, precision, variates, integrator):
     noise = {"kind": "brownian", "translational_diffusion": D, "rotational_diffusion": D_r, "variates": variates}
     scene = make_scene(
         # A force dipole without a colloid to reflect its flow must not matter.
         swimmers={"count": count, "dipole_strength": 4.0, "release": {"kind": "point", "position": [0.0] * dimensions}},
         obstacles={"layout": "none"}, dimensions=dimensions, noise=noise,
-        run={"time_step": TIME_STEP, "duration": DURATION, "seed": 11, "precision": precision},
+        run={"time_step": TIME_STEP, "duration": DURATION, "seed": 11},
         record={"every": EVERY, "swimmers": count},
-    )  # fmt: skip
+    ).replace({"run.precision": precision, "run.integrator": integrator})  # fmt: skip
     trajectory = ps.run(scene).trajectory
     squared, turned = ps.analysis.msd(trajectory), ps.analysis.director_correlation(trajectory)
 
     c, theirs, ours = kept_share(dimensions, variates), {}, {}
     for k in range(1, len(squared.lag)):
         time, n = squared.lag[k], round(squared.lag[k] / TIME_STEP)
-        ballistic = n * (1.0 + c) / (1.0 - c) - 2.0 * c * (1.0 - c**n) / (1.0 - c) ** 2
-        theirs[f"msd at {time:g}"] = Figure(2.0 * dimensions * D * time + TIME_STEP**2 * ballistic)
+        weight = np.array([1.0] * n + [0.0] if integrator == "euler" else [0.5] + [1.0] * (n - 1) + [0.5])
+        correlation = c ** np.abs(np.subtract.outer(np.arange(n + 1), np.arange(n + 1)))
+        theirs[f"msd at {time:g}"] = Figure(2.0 * dimensions * D * time + TIME_STEP**2 * weight @ correlation @ weight)
         theirs[f"e.e at {time:g}"] = Figure(c**n)
         for name, lagged in (("msd", squared), ("e.e", turned)):
             ours[f"{name} at {time:g}"] = Figure(lagged.value[k], lagged.standard_error[k])
