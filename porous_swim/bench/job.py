@@ -46,10 +46,10 @@ class OneColloid:
 
 
 def scene_of(name: str, n_swimmers: int, **changes: Any) -> Scene:
-    """A shipped scene: uniform noise, f32, one thread of the CPU; `changes` are keys with `__` for dots."""
+    """A shipped scene: Euler, uniform noise, f32, one thread of the CPU; `changes` are keys with `__` for dots."""
     common: Mapping[str, Any] = {
         "swimmers.count": n_swimmers, "noise.variates": "uniform", "run.time_step": TIME_STEP,
-        "run.precision": "f32", "run.device": "cpu", "run.threads": 1,
+        "run.integrator": "euler", "run.precision": "f32", "run.device": "cpu", "run.threads": 1,
     }  # fmt: skip
     dotted = {key.replace("__", "."): value for key, value in changes.items()}
     return load_scene(scenes_folder() / f"{name}.yaml").replace({**common, **dotted})
