@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from porous_swim.analysis.flow import flow_field
     from porous_swim.engine.probe import contact_height, drift
     from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+    from porous_swim.reporting.write import report
     from porous_swim.results import Results, load_results
     from porous_swim.scene import Scene, load_scene
     from porous_swim.simulation import Simulation, run
@@ -37,6 +38,7 @@ __all__ = [
     "flow_field",
     "load_results",
     "load_scene",
+    "report",
     "run",
     "theory",
 ]
@@ -44,6 +46,7 @@ __all__ = [
 _HOME = {
     "analysis.flow": ("flow_field",),
     "errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
+    "reporting.write": ("report",),
     "results": ("Results", "load_results"),
     "scene": ("Scene", "load_scene"),
     "simulation": ("Simulation", "run"),

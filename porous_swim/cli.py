@@ -114,6 +114,27 @@ def view(
 
 
 @app.command()
+def report(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")],
+    compare: Annotated[
+        list[Path] | None, typer.Option(metavar="RUN2", help="A run to lay over it; may be repeated.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for page and pictures. Default: RUN/report, or RUN/comparison.")
+    ] = None,
+) -> None:
+    """Summarise a run, and write pictures and tables as one HTML page. The last line on stdout is its path."""
+    from porous_swim.reporting.terminal import print_report
+    from porous_swim.reporting.write import write_report
+    from porous_swim.results import load_results
+
+    every = [load_results(folder) for folder in (run_folder, *(compare or []))]
+    made = write_report(every, out or run_folder / ("comparison" if compare else "report"))
+    print_report(made)
+    print(made.page)
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The new file: NAME.yaml.")],
     template: Annotated[str, typer.Option("--from", help="A scene that ships with porous_swim.")] = "crystal",

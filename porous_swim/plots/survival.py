@@ -1,0 +1,65 @@
+"""Survival curves: how likely something lasts longer than a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from porous_swim.analysis.survival import SurvivalCurve
+from porous_swim.analysis.survival_band import survival_band
+from porous_swim.plots.scales import Scales, label_x
+from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned
+
+_LINES = ("--", ":", "-.")
+
+
+@dataclass(frozen=True, eq=False)
+class Survival:
+    """A curve, and laws to compare it with."""
+
+    curve: SurvivalCurve
+    n_censored: int
+    laws: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    """By name: times (n,), a/U, and probabilities (n,)."""
+    theory: tuple[np.ndarray, np.ndarray] | None = None
+
+
+def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None) -> Figure:
+    """One panel for each quantity: Kaplan-Meier curves with 95 % bands, fits and theory, on a logarithmic axis."""
+    picture, axes = panels(len(quantities), in_line=2, width=4.9, height=3.7)
+    for axis, (name, shown) in zip(axes, quantities.items(), strict=True):
+        if not shown:
+            message(axis, f"{name}: none ended")
+            continue
+        least = 1.0
+        for run in shown:
+            probability = _curve(axis, run, name_it=len(shown) > 1)
+            least = min(least, float(probability[probability > 0.0].min(initial=1.0)))
+        axis.set(yscale="log", ylim=(max(0.5 * least, 1e-5), 1.3), ylabel="share that lasts longer")
+        axis.set_xlim(left=0.0)
+        label_x(axis, name, "a/U", scales)
+        legend(axis)
+    return picture
+
+
+def _curve(axis, run: Shown[Survival], *, name_it: bool) -> np.ndarray:
+    """Draw one run; probabilities that are shown."""
+    curve, band = run.data.curve, survival_band(run.data.curve)
+    chosen = thinned(len(curve.time))
+    time = np.concatenate([[0.0], curve.time[chosen]])
+    probability = np.concatenate([[1.0], curve.probability[chosen]])
+    label = run.label if name_it else "Kaplan-Meier, 95 % band"
+    axis.step(time, probability, where="post", color=run.color, linewidth=1.3, label=label)
+    axis.fill_between(
+        curve.time[chosen], band.lower[chosen], band.upper[chosen], step="post", color=run.color, alpha=0.2, linewidth=0
+    )
+    for (law, (at, value)), line in zip(run.data.laws.items(), _LINES, strict=False):
+        axis.plot(
+            at, value, line, color=run.color if name_it else THEORY, linewidth=1.0, label=None if name_it else law
+        )
+    if run.data.theory is not None:
+        axis.plot(*run.data.theory, color="#cc79a7", linewidth=1.4, label=None if name_it else "theory")
+    return probability

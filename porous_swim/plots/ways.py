@@ -1,0 +1,73 @@
+"""The medium, and the ways of some swimmers through it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from porous_swim.plots.colloids import colloid_discs, images_in
+from porous_swim.plots.scales import Scales, label_x, label_y
+from porous_swim.plots.style import STATE_COLORS, STATE_NAMES, Shown, legend, panels
+
+_MOST_DISCS = 20000
+_MARGIN = 0.06
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Colloids, and swimmers at times."""
+
+    centers: np.ndarray  # (n_colloids, 3) a
+    radii: np.ndarray  # (n_colloids,) a
+    box: tuple[float, float, float]  # a; 0 along an axis that does not repeat
+    position: np.ndarray  # (n_frames, n_swimmers, 3) a, unwrapped
+    state: np.ndarray  # (n_frames, n_swimmers) 0 free, 1 bound, 2 contact
+    dimensions: int
+
+
+def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
+    """Ways coloured by state over the colloids and their images; in three dimensions seen along z and along y."""
+    views = [(run, plane) for run in shown for plane in (((0, 1),) if run.data.dimensions == 2 else ((0, 1), (0, 2)))]
+    picture, axes = panels(len(views), in_line=2, width=5.4, height=4.9, square=True)
+    for axis, (run, plane) in zip(axes, views, strict=True):
+        _panel(axis, run.data, plane)
+        label_x(axis, "x", "a", scales)
+        label_y(axis, "xyz"[plane[1]], "a", scales)
+        if len(shown) > 1:
+            axis.set_title(run.label)
+    handles = [Line2D([], [], color=c, label=n) for c, n in zip(STATE_COLORS, STATE_NAMES, strict=True)]
+    handles.append(Line2D([], [], color="black", marker="o", markersize=3.0, linestyle="", label="start"))
+    legend(axes[0], handles=handles, loc="upper right")
+    return picture
+
+
+def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
+    position = ways.position[:, :, plane]
+    low, high = _view(ways, plane)
+    box = ways.box[plane[0]], ways.box[plane[1]]
+    centers, radii = images_in(ways.centers[:, plane], ways.radii, box=box, low=low, high=high)
+    if len(radii) <= _MOST_DISCS:
+        colloid_discs(axis, centers, radii, alpha=1.0 if ways.dimensions == 2 else 0.35)
+    segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
+    state = ways.state[1:].reshape(-1)
+    for value, color in enumerate(STATE_COLORS):
+        axis.add_collection(LineCollection(segments[state == value], colors=color, linewidths=0.9, zorder=2.0))
+    axis.plot(position[0, :, 0], position[0, :, 1], "o", color="black", markersize=3.0, zorder=3.0)
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+
+
+def _view(ways: Ways, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of what is shown: all ways, and all colloids of a field that does not repeat; as wide as high."""
+    points = ways.position[:, :, plane].reshape(-1, 2)
+    if len(ways.centers) and not any(ways.box[axis] > 0.0 for axis in plane):
+        reach = ways.radii[:, None]
+        points = np.concatenate([points, ways.centers[:, plane] - reach, ways.centers[:, plane] + reach])
+    if len(points) == 0:
+        points = np.array([[0.0, 0.0], [max(ways.box[axis], 1.0) for axis in plane]])
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = 0.5 * (low + high), (0.5 + _MARGIN) * max(float(np.max(high - low)), 1.0)
+    return middle - half, middle + half

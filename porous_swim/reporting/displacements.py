@@ -1,0 +1,82 @@
+"""Section: mean squared displacement, its exponent, and the effective diffusivity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from porous_swim.analysis import EffectiveDiffusivity, effective_diffusivity, msd_exponent, time_averaged_msd
+from porous_swim.errors import ResultsError
+from porous_swim.plots import displacements
+from porous_swim.plots.style import Shown
+from porous_swim.reporting.free_walk import squared_displacement
+from porous_swim.reporting.numbers import both
+from porous_swim.reporting.run import Run, scales_of
+from porous_swim.reporting.section import Number, Section, Table
+
+
+def section(runs: Sequence[Run]) -> Section:
+    """Displacements of the recorded swimmers against lag, over all starts."""
+    shown: list[Shown[displacements.Displacements]] = []
+    missing, warnings, rows = [], [], []
+    for run in runs:
+        try:
+            found = _displacements(run)
+        except ResultsError as error:
+            missing.append(run.says(f"{error}."))
+            continue
+        if len(found.squares.lag) == 0 or not np.any(found.squares.value > 0.0):
+            missing.append(run.says("Too few frames or no motion were recorded: displacements against lag need both."))
+            continue
+        shown.append(run.shows(found))
+        rows.append(_row(run, found.diffusivity))
+        warnings += [run.says(sentence) for sentence in _doubts(found.diffusivity)]
+    header = ["run", "effective diffusivity", "95 % interval", "lags of the fit", "p: a straight line", "swimmers"]
+    return Section(
+        "Displacements", "displacements",
+        text=["Diffusivity: a straight line with an offset through four to eight lags, weighted by their covariance."],
+        draw=(lambda: displacements.draw(shown, scales_of(runs))) if shown else None,
+        caption="Mean squared displacement over all starts (left; shaded: the lags of the fit) and its exponent "
+        "(right); bars are one standard error over swimmers.",
+        tables=[Table(header, rows)] if rows else [],
+        missing=missing,
+        warnings=warnings,
+    )  # fmt: skip
+
+
+def _displacements(run: Run) -> displacements.Displacements:
+    trajectory, info, scene = run.results.trajectory, run.results.info, run.scene
+    squares = time_averaged_msd(trajectory)
+    free = None
+    if scene is not None and len(run.results.colloids) == 0:
+        noise = scene.translational_diffusion, scene.rotational_diffusion
+        free = squared_displacement(squares.lag, *noise, dimensions=info.dimensions)
+    with np.errstate(divide="ignore", invalid="ignore"):  # swimmers at rest have no exponent
+        exponent = msd_exponent(squares)
+        diffusivity = effective_diffusivity(trajectory)
+    return displacements.Displacements(squares, exponent, diffusivity, info.dimensions, free)
+
+
+def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
+    if not np.isfinite(fit.value):
+        return [run.label, "–", "–", "–", "–", f"{fit.n:,}"]
+    low, high, first, last = (
+        both(value, unit, run.scales)
+        for value, unit in zip((*fit.interval, *fit.window), ("a U", "a U", "a/U", "a/U"), strict=True)
+    )
+    return [
+        run.label, Number(both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value),
+        f"{low} to {high}", f"{first} to {last}", f"{fit.p_value:.2g}", f"{fit.n:,}",
+    ]  # fmt: skip
+
+
+def _doubts(fit: EffectiveDiffusivity) -> list[str]:
+    if not np.isfinite(fit.value):
+        return [f"No effective diffusivity was fitted: that needs 20 swimmers whose ways differ; {fit.n} are recorded."]
+    if not fit.linear:
+        return [
+            f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "
+            f"(p = {fit.p_value:.2g} in the last): the motion is not yet diffusive, or the windows are too short."
+        ]
+    return []

@@ -1,0 +1,59 @@
+"""Numbers for people: a value with its error, and what both are in the laboratory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from porous_swim.plots.scales import Scales, pretty
+
+NONE = "–"
+
+
+def value_and_error(value: float, error: float | None) -> str:
+    """`39.41 ± 0.14`: two digits of the error, and the value to the same place."""
+    if error is None or not math.isfinite(error):
+        return f"{value:.4g}"
+    if error == 0.0:
+        return f"{value:.6g} ± 0"
+    place = 1 - math.floor(math.log10(error))
+    if 0 <= place <= 6:
+        return f"{value:.{place}f} ± {error:.{place}f}"
+    power = math.floor(math.log10(max(abs(value), error)))
+    if -3 < power < 6:
+        return f"{round(value, place):.{max(place, 0)}f} ± {round(error, place):.{max(place, 0)}f}"
+    digits = max(place + power, 0)
+    return f"({value / 10.0**power:.{digits}f} ± {error / 10.0**power:.{digits}f})e{power:+03d}"
+
+
+def with_unit(value: float, error: float | None, unit: str) -> str:
+    """The same with its unit."""
+    return " ".join(part for part in (value_and_error(value, error), pretty(unit)) if part)
+
+
+def physical(value: float, error: float | None, unit: str, scales: Scales | None) -> str:
+    """The same in the laboratory's units; nothing where there are none for it."""
+    found = scales and scales.physical(unit)
+    if not found:
+        return ""
+    factor, name = found
+    return f"{value_and_error(value * factor, None if error is None else error * factor)} {name}"
+
+
+def both(value: float, unit: str, scales: Scales | None, *, error: float | None = None) -> str:
+    """`5 a (5 µm)`."""
+    second = physical(value, error, unit, scales)
+    return f"{with_unit(value, error, unit)} ({second})" if second else with_unit(value, error, unit)
+
+
+def statistics(summary: Mapping[str, Any], *path: str) -> dict[tuple[str, ...], Mapping[str, Any]]:
+    """Every statistic of a summary, by its path there."""
+    found: dict[tuple[str, ...], Mapping[str, Any]] = {}
+    for key, entry in summary.items():
+        if isinstance(entry, Mapping):
+            if {"value", "standard_error", "n", "unit"} <= set(entry):
+                found[(*path, key)] = entry
+            else:
+                found |= statistics(entry, *path, key)
+    return found

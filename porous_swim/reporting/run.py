@@ -1,0 +1,90 @@
+"""A run as a report takes it: results, scene, colour, and what several sections need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pyarrow as pa
+
+from porous_swim.analysis import hop_table
+from porous_swim.errors import SceneError
+from porous_swim.plots.scales import Scales, common
+from porous_swim.plots.style import RUN_COLORS, Data, Shown
+from porous_swim.results import Results
+from porous_swim.scene import Scene, load_scene
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run of a report."""
+
+    label: str
+    color: str
+    results: Results
+    scene: Scene | None
+    """None: there is no `scene.yaml`, or it cannot be read any more, for the reason in `no_scene`."""
+    no_scene: str
+    n_runs: int
+    """In the report."""
+
+    @property
+    def scales(self) -> Scales | None:
+        """What a and a/U are in the laboratory."""
+        return Scales.of(self.results.info.units)
+
+    @cached_property
+    def hops(self) -> pa.Table:
+        """The run's `hop_table`."""
+        return hop_table(self.results.encounters, self.results.colloids)
+
+    def says(self, sentence: str) -> str:
+        """A sentence about this run, which names it where there are others."""
+        return sentence if self.n_runs == 1 else f"{self.label}: {sentence}"
+
+    def shows(self, data: Data) -> Shown[Data]:
+        """Data of this run for a picture."""
+        return Shown(self.label, self.color, data)
+
+
+def runs_of(every: Sequence[Results]) -> list[Run]:
+    """Runs named by their folders, or by their scenes where they were kept in memory."""
+    labels = _labels(every)
+    return [
+        Run(label, RUN_COLORS[i % len(RUN_COLORS)], results, *_scene(results), len(every))
+        for i, (label, results) in enumerate(zip(labels, every, strict=True))
+    ]
+
+
+def scales_of(runs: Sequence[Run]) -> Scales | None:
+    """What holds for all runs of a picture."""
+    return common([run.scales for run in runs])
+
+
+def _labels(every: Sequence[Results]) -> list[str]:
+    """Names of folders; whole paths where those do not differ, numbers where these do not either."""
+    names = [
+        str(results.info.provenance.get("scene", "run")) if results.folder is None else results.folder.resolve().name
+        for results in every
+    ]
+    if len(set(names)) < len(names):
+        names = [
+            name if results.folder is None else str(results.folder) for name, results in zip(names, every, strict=True)
+        ]
+    if len(set(names)) < len(names):
+        names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
+    return names
+
+
+def _scene(results: Results) -> tuple[Scene | None, str]:
+    if results.folder is None:
+        return None, "The run was kept in memory: what its scene says is not known here."
+    path = Path(results.folder) / "scene.yaml"
+    if not path.is_file():
+        return None, f"{path}: there is no such file, so what the scene says is not known."
+    try:
+        return load_scene(path), ""
+    except SceneError as error:
+        return None, f"The scene cannot be read, so what it says is not known: {error}"

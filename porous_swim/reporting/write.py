@@ -1,0 +1,102 @@
+"""A report: from runs to a page on disk and its pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from porous_swim.errors import ResultsError
+from porous_swim.reporting import (
+    density,
+    directors,
+    displacements,
+    fractions,
+    hops,
+    medium,
+    network,
+    provenance,
+    residence,
+    statistics,
+    winding,
+)
+from porous_swim.reporting.doubts import doubts
+from porous_swim.reporting.page import html
+from porous_swim.reporting.pictures import write_picture
+from porous_swim.reporting.run import Run, runs_of
+from porous_swim.reporting.section import Section
+from porous_swim.results import Results
+
+PAGE = "report.html"
+FIGURES = "figures"
+SECTIONS: tuple[Callable[[Sequence[Run]], Section], ...] = (
+    medium.section,
+    fractions.section,
+    residence.section,
+    winding.section,
+    network.section,
+    hops.section,
+    displacements.section,
+    directors.section,
+    density.height_pitch_section,
+    density.cell_section,
+    statistics.section,
+    provenance.section,
+)
+
+
+@dataclass(frozen=True)
+class Report:
+    """A report that was written."""
+
+    page: Path
+    runs: Sequence[Run]
+    warnings: Sequence[str]
+
+
+def report(results: Results | Sequence[Results], out: Path | str) -> Path:
+    """Write `report.html` and a folder `figures` of its pictures (SVG, PNG) into the folder `out`; return the page.
+
+    Args:
+        results: of one run, or of several to compare: curves are laid over each other.
+        out: a folder, made where there is none; an earlier report in it is replaced.
+
+    Raises:
+        ResultsError: `out` cannot be written, or there are no results.
+    """
+    return write_report([results] if isinstance(results, Results) else results, Path(out)).page
+
+
+def write_report(every: Sequence[Results], out: Path) -> Report:
+    """The same, with what the terminal is to say."""
+    if not every:
+        raise ResultsError("report: found no results, one or more are wanted")
+    runs = runs_of(every)
+    sections = [make(runs) for make in SECTIONS]
+    found = [*(sentence for run in runs for sentence in doubts(run))]
+    found += [sentence for section in sections for sentence in section.warnings]
+    warnings = list(dict.fromkeys(found))
+    try:
+        (out / FIGURES).mkdir(parents=True, exist_ok=True)
+        pictures = {
+            section.name: write_picture(section.draw(), out / FIGURES, section.name)
+            for section in sections
+            if section.draw is not None
+        }
+        (out / PAGE).write_text(html(_title(runs), _lead(runs), sections, pictures, warnings), encoding="utf-8")
+    except OSError as error:
+        raise ResultsError(f"{out}: the report cannot be written ({error.strerror})") from error
+    return Report(out / PAGE, runs, warnings)
+
+
+def _title(runs: Sequence[Run]) -> str:
+    return " and ".join(run.label for run in runs) if len(runs) < 4 else f"{runs[0].label} and {len(runs) - 1} others"
+
+
+def _lead(runs: Sequence[Run]) -> str:
+    return "; ".join(run.says(_what(run)) for run in runs) + ". Lengths in half-lengths a of a swimmer, times in a/U."
+
+
+def _what(run: Run) -> str:
+    info, status = run.results.info, run.results.summary.get("status", "status not known")
+    return f"{info.n_swimmers:,} swimmers, {len(run.results.colloids):,} colloids, {info.duration:g} a/U, {status}"
