@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from porous_swim.analysis.histogram import Map
 from porous_swim.plots.scales import Scales, label_y
-from porous_swim.plots.style import MAP_COLORS, Shown, name_panels, panels
+from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, legend, name_panels, panels
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +34,16 @@ def draw(shown: list[Shown[HeightPitch]], scales: Scales | None) -> Figure:
             cmap=MAP_COLORS, rasterized=True,
         )  # fmt: skip
         if run.data.escape_height is not None:
-            axis.axhline(run.data.escape_height, color="0.4", linewidth=0.8, linestyle="--")
-            axis.text(88.0, run.data.escape_height, "escape", ha="right", va="bottom", fontsize=8.0, color="0.3")
+            axis.axhline(
+                run.data.escape_height, color="0.3", linewidth=0.8, linestyle="--", label="where encounters end"
+            )
+            legend(axis, loc="upper center")
         axis.axvline(0.0, color="0.7", linewidth=0.6)
         axis.set(xlabel="pitch (degrees)", xticks=range(-90, 91, 30))
+        occupied = np.flatnonzero(share.sum(axis=0) > 0.0)
+        if len(occupied):
+            axis.set_ylim(found.y_edges[occupied[0]] - 0.1, found.y_edges[occupied[-1] + 1] + 0.3)
         label_y(axis, "height above the nearest colloid", "a", scales)
-        picture.colorbar(mesh, ax=axis, label="share of positions in a bin", pad=0.02)
+        color_bar(picture, mesh, axis, "share of positions in a bin")
     name_panels(axes, shown)
     return picture

@@ -8,12 +8,13 @@ import numpy as np
 import pyarrow as pa
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, radii_of
 from porous_swim.plots.colloids import colloid_discs
 from porous_swim.plots.scales import Scales, label_x, label_y
-from porous_swim.plots.style import MAP_COLORS, Shown, name_panels, panels
+from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, name_panels, panels
 
 _WIDEST = 5.0  # points
 
@@ -46,7 +47,7 @@ def draw(shown: list[Shown[Network]], scales: Scales | None) -> Figure:
         axis.add_collection(lines)
         axis.autoscale_view()
         _frame(axis, run.data.box)
-        picture.colorbar(lines, ax=axis, shrink=0.8, label="hops")
+        color_bar(picture, lines, axis, "hops", shrink=0.8, ticks=MaxNLocator(integer=True))
         label_x(axis, "x", "a", scales)
         label_y(axis, "y", "a", scales)
     name_panels(axes, shown)

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from porous_swim.plots.style import TEXT_SIZE
+
 _POWERS = {  # unit of a table -> power of a, power of a/U, and its name in the laboratory
     "a": (1, 0, "µm"),
     "a^2": (2, 0, "µm²"),
@@ -53,7 +55,8 @@ def label_x(axis: Any, text: str, unit: str, scales: Scales | None) -> None:
     found = scales and scales.physical(unit)
     if found:
         second = axis.secondary_xaxis("top", functions=_both_ways(found[0]))
-        second.set_xlabel(f"{text} ({found[1]})")
+        second.set_xlabel(f"{text} ({found[1]})", fontsize=TEXT_SIZE)
+        second.tick_params(which="both", labelsize=TEXT_SIZE)
 
 
 def label_y(axis: Any, text: str, unit: str, scales: Scales | None) -> None:
@@ -62,7 +65,8 @@ def label_y(axis: Any, text: str, unit: str, scales: Scales | None) -> None:
     found = scales and scales.physical(unit)
     if found:
         second = axis.secondary_yaxis("right", functions=_both_ways(found[0]))
-        second.set_ylabel(f"{text} ({found[1]})")
+        second.set_ylabel(f"{text} ({found[1]})", fontsize=TEXT_SIZE)
+        second.tick_params(which="both", labelsize=TEXT_SIZE)
 
 
 def _named(text: str, unit: str) -> str:

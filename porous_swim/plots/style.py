@@ -55,6 +55,13 @@ def legend(axis: Any, **where: Any) -> None:
         axis.legend(fontsize=TEXT_SIZE - 1.0, framealpha=0.85, edgecolor="none", **where)
 
 
+def color_bar(picture: Figure, colored: Any, axis: Any, label: str, **more: Any) -> None:
+    """What the colours of a map mean."""
+    bar = picture.colorbar(colored, ax=axis, pad=0.02, **more)
+    bar.set_label(label, fontsize=TEXT_SIZE)
+    bar.ax.tick_params(labelsize=TEXT_SIZE)
+
+
 def message(axis: Any, text: str) -> None:
     """Say in the middle of an empty panel why it is empty."""
     axis.set_axis_off()

@@ -29,24 +29,25 @@ class Survival:
 
 def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None) -> Figure:
     """One panel for each quantity: Kaplan-Meier curves with 95 % bands, fits and theory, on a logarithmic axis."""
-    picture, axes = panels(len(quantities), in_line=2, width=4.9, height=3.7)
+    picture, axes = panels(len(quantities), width=4.9 if len(quantities) < 3 else 3.9, height=3.5)
     for axis, (name, shown) in zip(axes, quantities.items(), strict=True):
         if not shown:
             message(axis, f"{name}: none ended")
             continue
-        least = 1.0
+        least, longest = 0.2, 0.0
         for run in shown:
-            probability = _curve(axis, run, name_it=len(shown) > 1)
+            _curve(axis, run, name_it=len(shown) > 1)
+            probability = run.data.curve.probability
             least = min(least, float(probability[probability > 0.0].min(initial=1.0)))
+            longest = max(longest, float(run.data.curve.time.max(initial=0.0)))
         axis.set(yscale="log", ylim=(max(0.5 * least, 1e-5), 1.3), ylabel="share that lasts longer")
-        axis.set_xlim(left=0.0)
+        axis.set_xlim(0.0, 1.05 * longest if longest > 0.0 else 1.0)
         label_x(axis, name, "a/U", scales)
         legend(axis)
     return picture
 
 
-def _curve(axis, run: Shown[Survival], *, name_it: bool) -> np.ndarray:
-    """Draw one run; probabilities that are shown."""
+def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
     curve, band = run.data.curve, survival_band(run.data.curve)
     chosen = thinned(len(curve.time))
     time = np.concatenate([[0.0], curve.time[chosen]])
@@ -62,4 +63,3 @@ def _curve(axis, run: Shown[Survival], *, name_it: bool) -> np.ndarray:
         )
     if run.data.theory is not None:
         axis.plot(*run.data.theory, color="#cc79a7", linewidth=1.4, label=None if name_it else "theory")
-    return probability

@@ -39,7 +39,8 @@ def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
         label_y(axis, "xyz"[plane[1]], "a", scales)
         if len(shown) > 1:
             axis.set_title(run.label)
-    handles = [Line2D([], [], color=c, label=n) for c, n in zip(STATE_COLORS, STATE_NAMES, strict=True)]
+    seen = sorted({int(state) for run in shown for state in np.unique(run.data.state)})
+    handles = [Line2D([], [], color=STATE_COLORS[state], label=STATE_NAMES[state]) for state in seen]
     handles.append(Line2D([], [], color="black", marker="o", markersize=3.0, linestyle="", label="start"))
     legend(axes[0], handles=handles, loc="upper right")
     return picture
@@ -55,7 +56,7 @@ def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
     segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
     state = ways.state[1:].reshape(-1)
     for value, color in enumerate(STATE_COLORS):
-        axis.add_collection(LineCollection(segments[state == value], colors=color, linewidths=0.9, zorder=2.0))
+        axis.add_collection(LineCollection(segments[state == value], colors=color, linewidths=1.2, zorder=2.0))
     axis.plot(position[0, :, 0], position[0, :, 1], "o", color="black", markersize=3.0, zorder=3.0)
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 

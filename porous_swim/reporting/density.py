@@ -35,7 +35,9 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         heights = np.linspace(0.0, top, N_HEIGHTS + 1)
         found = height_pitch_density(results.trajectory, results.colloids, heights=heights)
         shown.append(run.shows(height_pitch.HeightPitch(found, escape)))
-        text.append(run.says(f"{found.n_outside / found.n:.1%} of {found.n:,} positions are higher than {top:g} a."))
+        text.append(
+            run.says(f"{100.0 * found.n_outside / found.n:.3g} % of {found.n:,} positions are higher than {top:g} a.")
+        )
     return Section(
         "Height and pitch", "height_pitch",
         text=text,

@@ -11,7 +11,7 @@ from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.free_walk import squared_displacement
-from porous_swim.reporting.numbers import both
+from porous_swim.reporting.numbers import both, interval
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Number, Section, Table
 
@@ -61,19 +61,16 @@ def _displacements(run: Run) -> displacements.Displacements:
 def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
     if not np.isfinite(fit.value):
         return [run.label, "–", "–", "–", "–", f"{fit.n:,}"]
-    low, high, first, last = (
-        both(value, unit, run.scales)
-        for value, unit in zip((*fit.interval, *fit.window), ("a U", "a U", "a/U", "a/U"), strict=True)
-    )
     return [
         run.label, Number(both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value),
-        f"{low} to {high}", f"{first} to {last}", f"{fit.p_value:.2g}", f"{fit.n:,}",
+        interval(*fit.interval, "a U", run.scales),
+        interval(*fit.window, "a/U", run.scales), f"{fit.p_value:.2g}", f"{fit.n:,}",
     ]  # fmt: skip
 
 
 def _doubts(fit: EffectiveDiffusivity) -> list[str]:
     if not np.isfinite(fit.value):
-        return [f"No effective diffusivity was fitted: that needs 20 swimmers whose ways differ; {fit.n} are recorded."]
+        return [f"No effective diffusivity was fitted: that needs 20 swimmers whose ways differ, of {fit.n} recorded."]
     if not fit.linear:
         return [
             f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, radii_of
 from porous_swim.analysis.transport import tracks
 from porous_swim.plots import ways
@@ -15,7 +16,7 @@ from porous_swim.reporting.numbers import both
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Section, Table
 
-N_WAYS = 10
+N_WAYS = 5
 
 
 def section(runs: Sequence[Run]) -> Section:
@@ -35,7 +36,7 @@ def section(runs: Sequence[Run]) -> Section:
         "Medium and swimmers", "medium",
         text=[run.says(run.scene.description.strip()) for run in runs if run.scene and run.scene.description.strip()],
         draw=(lambda: ways.draw(shown, scales)) if shown else None,
-        caption=f"The ways of {_some(shown)}, unwrapped, over the colloids and their periodic images.",
+        caption=f"Ways of {_some(shown)}, unwrapped across periodic images, coloured by state.",
         tables=[Table(["", *(run.label for run in runs)], rows)],
         missing=missing,
     )  # fmt: skip
@@ -43,13 +44,12 @@ def section(runs: Sequence[Run]) -> Section:
 
 def _some(shown: Sequence[Shown[ways.Ways]]) -> str:
     n = max((run.data.position.shape[1] for run in shown), default=0)
-    return "the one recorded swimmer" if n == 1 else f"the first {n} recorded swimmers"
+    return "the one recorded swimmer" if n == 1 else f"{n} recorded swimmers that start near each other"
 
 
 def _ways(run: Run) -> ways.Ways:
     results = run.results
-    number = column(results.trajectory, "swimmer")
-    few = results.trajectory.filter(np.isin(number, np.unique(number)[:N_WAYS]))
+    few = results.trajectory.filter(np.isin(column(results.trajectory, "swimmer"), _neighbours(results.trajectory)))
     recorded = tracks(few)
     order = np.lexsort((column(few, "swimmer"), column(few, "time")))
     state = column(few, "state")[order].reshape(len(recorded.time), len(recorded.swimmer))
@@ -57,6 +57,14 @@ def _ways(run: Run) -> ways.Ways:
         centers_of(results.colloids), radii_of(results.colloids), results.info.box, recorded.position, state,
         results.info.dimensions,
     )  # fmt: skip
+
+
+def _neighbours(trajectory: pa.Table) -> np.ndarray:
+    """Of the recorded swimmers those that start nearest to the first, so that a picture can show them large."""
+    first = trajectory.filter(column(trajectory, "time") == np.min(column(trajectory, "time"))).sort_by("swimmer")
+    start = vectors(first, "x", "y", "z")
+    nearest = np.argsort(np.linalg.norm(start - start[0], axis=1), kind="stable")
+    return column(first, "swimmer")[nearest[:N_WAYS]]
 
 
 def _facts(run: Run) -> dict[str, str]:

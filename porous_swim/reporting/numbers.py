@@ -47,6 +47,18 @@ def both(value: float, unit: str, scales: Scales | None, *, error: float | None 
     return f"{with_unit(value, error, unit)} ({second})" if second else with_unit(value, error, unit)
 
 
+def interval(low: float, high: float, unit: str, scales: Scales | None) -> str:
+    """`5 to 6 a (5 to 6 µm)`."""
+    text = f"{low:.4g} to {high:.4g} {pretty(unit)}".rstrip()
+    found = scales and scales.physical(unit)
+    return f"{text} ({low * found[0]:.4g} to {high * found[0]:.4g} {found[1]})" if found else text
+
+
+def counted(n: int, what: str) -> str:
+    """`1 swimmer`, `2,000 swimmers`."""
+    return f"{n:,} {what}" if n == 1 else f"{n:,} {what}s"
+
+
 def statistics(summary: Mapping[str, Any], *path: str) -> dict[tuple[str, ...], Mapping[str, Any]]:
     """Every statistic of a summary, by its path there."""
     found: dict[tuple[str, ...], Mapping[str, Any]] = {}

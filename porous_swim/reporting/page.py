@@ -35,6 +35,8 @@ th, td { text-align: left; padding: .3rem .9rem .3rem 0; border-bottom: 1px soli
 th { font-weight: 600; white-space: nowrap; }
 thead th { position: sticky; top: 0; background: #fff; border-bottom: 2px solid var(--line); }
 tbody th { font-weight: 400; white-space: normal; }
+data { white-space: nowrap; }
+td small { display: block; color: var(--soft); white-space: nowrap; }
 pre { background: var(--ground); padding: .8rem 1rem; overflow: auto; font-size: .84rem; }
 summary { cursor: pointer; color: #0b5394; margin: .6rem 0; }
 @media print { body { max-width: none; } nav { display: none; } .table.long { max-height: none; }
@@ -46,7 +48,7 @@ def html(
     title: str, lead: str, sections: Sequence[Section], pictures: Mapping[str, Picture], warnings: Sequence[str]
 ) -> str:
     """The whole page; `pictures` by the names of their sections."""
-    links = "".join(f'<a href="#{section.name}">{escape(section.title)}</a>' for section in sections)
+    links = "\n".join(f'<a href="#{section.name}">{escape(section.title)}</a>' for section in sections)
     body = "".join(_section(section, pictures.get(section.name)) for section in sections)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -100,5 +102,6 @@ def _table(table: Table) -> str:
 
 def _cell(cell: Cell) -> str:
     if isinstance(cell, Number):
-        return f'<data value="{cell.value!r}">{escape(cell.text)}</data>'
+        note = f"<small>{escape(cell.note)}</small>" if cell.note else ""
+        return f'<data value="{cell.value!r}">{escape(cell.text)}</data>{note}'
     return escape(cell)

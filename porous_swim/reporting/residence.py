@@ -10,12 +10,13 @@ from porous_swim import analysis
 from porous_swim.analysis import LifetimeFit, Lifetimes
 from porous_swim.plots import survival
 from porous_swim.plots.style import Shown
-from porous_swim.reporting.numbers import both
+from porous_swim.reporting.numbers import both, counted, interval
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Number, Section, Table
 
 FEWEST_ENDS = 5  # to fit two parameters
 SMALL_PITCH = 0.4  # rad; beyond, the near-wall theory of small pitch is off by more than some per cent
+_NAMES = {"exponential": "exponential", "inverse_gaussian": "inverse Gaussian", "power_law": "power law"}
 LARGE_COLLOID = 10.0  # contact heights
 
 
@@ -47,7 +48,7 @@ def section(runs: Sequence[Run]) -> Section:
         text=[*dict.fromkeys(text), *([_LAWS] if rows else [])],
         draw=(lambda: survival.draw(panels, scales_of(runs))) if panels else None,
         caption="Survival: the share that lasts longer than a time (Kaplan-Meier, which takes those that the run cut "
-        "off into account).",
+        "off into account). Dashed and dotted: the exponential and the inverse Gaussian that fit best.",
         tables=[table] if rows else [],
         missing=missing,
     )  # fmt: skip
@@ -61,7 +62,7 @@ _LAWS = (
 
 def _too_few(residence: Lifetimes) -> str:
     n, cut = int(np.count_nonzero(residence.ended)), int(np.count_nonzero(~residence.ended))
-    return f"Of {n + cut} encounters {n} ended and {cut} were cut off: too few ends to fit a law ({FEWEST_ENDS})."
+    return f"{counted(n, 'encounter')} ended, {cut} cut off by the run: too few ends to fit a law ({2 * FEWEST_ENDS})."
 
 
 def _add(
@@ -94,20 +95,20 @@ def _laws(fits: list[LifetimeFit]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         mean = fit.parameters["mean"].value
         time = np.linspace(0.0, 12.0 * mean, 400)
         value = fit.survival(time)
-        at[fit.law.replace("_", " ")] = (time[value > 1e-5], value[value > 1e-5])
+        at[_NAMES[fit.law]] = (time[value > 1e-5], value[value > 1e-5])
     return at
 
 
 def _rows(run: Run, fit: LifetimeFit, cutoff: float) -> list[list[str | Number]]:
     rows: list[list[str | Number]] = []
     for name, found in fit.parameters.items():
-        low, high = (both(value, found.unit, run.scales) for value in found.interval)
         rows.append(
             [
                 *([run.label] if run.n_runs > 1 else []),
-                fit.law.replace("_", " "), both(cutoff, "a/U", run.scales) if cutoff else "0", name,
+                _NAMES[fit.law], both(cutoff, "a/U", run.scales) if cutoff else "0", name,
                 Number(both(found.value, found.unit, run.scales, error=found.standard_error), found.value),
-                f"{low} to {high}", Number(f"{fit.aic:.1f}", fit.aic), f"{fit.n:,}", f"{fit.n_censored:,}",
+                interval(*found.interval, found.unit, run.scales),
+                Number(f"{fit.aic:.1f}", fit.aic), f"{fit.n:,}", f"{fit.n_censored:,}",
             ]
         )  # fmt: skip
     return rows

@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 
 @dataclass(frozen=True)
 class Number:
-    """A cell with a number: its text for people, and the number itself for machines."""
+    """A cell with a number: its text for people, and the number itself for machines; notes go below it."""
 
     text: str
     value: float | int
+    note: str = ""
 
 
 Cell = str | Number

@@ -97,11 +97,10 @@ def _counts(entry: Mapping[str, Any]) -> list[Cell]:
 def _with_counts(entry: Mapping[str, Any], scales: Scales | None) -> Cell:
     if entry["value"] is None:
         return NONE
-    text = value_and_error(entry["value"], entry["standard_error"])
     second = physical(entry["value"], entry["standard_error"], entry["unit"], scales)
-    text += f" [{second}]" if second else ""
-    cut = f" + {entry['n_censored']:,} censored" if entry.get("n_censored") else ""
-    return Number(f"{text} (n = {entry['n']:,}{cut})", entry["value"])
+    cut = f", {entry['n_censored']:,} censored" if entry.get("n_censored") else ""
+    note = f"{second + '; ' if second else ''}n = {entry['n']:,}{cut}"
+    return Number(value_and_error(entry["value"], entry["standard_error"]), entry["value"], note)
 
 
 def _difference(first: Mapping[str, Any] | None, second: Mapping[str, Any] | None) -> Cell:

@@ -21,6 +21,7 @@ from porous_swim.reporting import (
     winding,
 )
 from porous_swim.reporting.doubts import doubts
+from porous_swim.reporting.numbers import counted
 from porous_swim.reporting.page import html
 from porous_swim.reporting.pictures import write_picture
 from porous_swim.reporting.run import Run, runs_of
@@ -99,4 +100,5 @@ def _lead(runs: Sequence[Run]) -> str:
 
 def _what(run: Run) -> str:
     info, status = run.results.info, run.results.summary.get("status", "status not known")
-    return f"{info.n_swimmers:,} swimmers, {len(run.results.colloids):,} colloids, {info.duration:g} a/U, {status}"
+    swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
+    return f"{swimmers}, {colloids}, {info.duration:g} a/U, {status}"
