@@ -26,7 +26,7 @@ def section(runs: Sequence[Run]) -> Section:
         except ResultsError as error:
             missing.append(run.says(f"{error}."))
             continue
-        if len(found.squares.lag) == 0 or not np.any(found.squares.value > 0.0):
+        if found is None:
             missing.append(run.says("Too few frames or no motion were recorded: displacements against lag need both."))
             continue
         shown.append(run.shows(found))
@@ -45,17 +45,19 @@ def section(runs: Sequence[Run]) -> Section:
     )  # fmt: skip
 
 
-def _displacements(run: Run) -> displacements.Displacements:
+def _displacements(run: Run) -> displacements.Displacements | None:
+    """None where nothing moves, or no two frames are half of the run apart."""
     trajectory, info, scene = run.results.trajectory, run.results.info, run.scene
     squares = time_averaged_msd(trajectory)
+    if len(squares.lag) == 0 or not np.all(squares.value > 0.0):
+        return None
     free = None
     if scene is not None and len(run.results.colloids) == 0:
         noise = scene.translational_diffusion, scene.rotational_diffusion
         free = squared_displacement(squares.lag, *noise, dimensions=info.dimensions)
-    with np.errstate(divide="ignore", invalid="ignore"):  # swimmers at rest have no exponent
-        exponent = msd_exponent(squares)
-        diffusivity = effective_diffusivity(trajectory)
-    return displacements.Displacements(squares, exponent, diffusivity, info.dimensions, free)
+    return displacements.Displacements(
+        squares, msd_exponent(squares), effective_diffusivity(trajectory), info.dimensions, free
+    )
 
 
 def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:

@@ -136,5 +136,6 @@ def _theory(run: Run) -> tuple[tuple[np.ndarray, np.ndarray] | None, str]:
     longest = float(np.max(analysis.escape_pitch_lifetimes(run.results.encounters).length))
     times = np.linspace(0.0, longest, 200)
     return (times, analysis.theory.trapping_survival(times, alpha, float(radii[0]), D_r, gamma)), (
-        "Theory is the first passage of the escape pitch from pitch 0 in contact (Spagnolie et al. 2015, near-wall)."
+        "Theory is the first passage of the escape pitch from pitch 0 in contact (Spagnolie et al. 2015, near-wall); "
+        "swimmers that arrive at another pitch begin elsewhere."
     )

@@ -24,7 +24,7 @@ from porous_swim.reporting.doubts import doubts
 from porous_swim.reporting.numbers import counted
 from porous_swim.reporting.page import html
 from porous_swim.reporting.pictures import write_picture
-from porous_swim.reporting.run import Run, runs_of
+from porous_swim.reporting.run import Run, runs_of, scales_of
 from porous_swim.reporting.section import Section
 from porous_swim.results import Results
 
@@ -95,7 +95,10 @@ def _title(runs: Sequence[Run]) -> str:
 
 
 def _lead(runs: Sequence[Run]) -> str:
-    return "; ".join(run.says(_what(run)) for run in runs) + ". Lengths in half-lengths a of a swimmer, times in a/U."
+    lead = "; ".join(run.says(_what(run)) for run in runs) + ". Lengths in half-lengths a of a swimmer, times in a/U."
+    if scales_of(runs) is None and any(run.scales is not None for run in runs):
+        lead += " The runs differ in what these are in the laboratory, so pictures show them alone."
+    return lead
 
 
 def _what(run: Run) -> str:
