@@ -17,6 +17,7 @@ from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, name_panels, panels
 
 _WIDEST = 5.0  # points
+_MOST_LINES = 2000  # as such in an SVG; more go in as one picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ def draw(shown: list[Shown[Network]], scales: Scales | None) -> Figure:
         lines = LineCollection(
             list(np.stack([start, start + half], axis=1)[order]), linewidths=_WIDEST * (count / count.max())[order],
             cmap=MAP_COLORS, capstyle="butt", zorder=2.0,
+            rasterized=len(count) > _MOST_LINES,
         )  # fmt: skip
         lines.set_array(count[order])
         lines.set_clim(0.0, float(count.max()))

@@ -11,6 +11,7 @@ from porous_swim.analysis.places import centers_of, radii_of
 from porous_swim.plots import cell, height_pitch
 from porous_swim.plots.colloids import images_in
 from porous_swim.plots.style import Shown
+from porous_swim.reporting.numbers import both
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Section
 
@@ -35,9 +36,8 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         heights = np.linspace(0.0, top, N_HEIGHTS + 1)
         found = height_pitch_density(results.trajectory, results.colloids, heights=heights)
         shown.append(run.shows(height_pitch.HeightPitch(found, escape)))
-        text.append(
-            run.says(f"{100.0 * found.n_outside / found.n:.3g} % of {found.n:,} positions are higher than {top:g} a.")
-        )
+        share, height = 100.0 * found.n_outside / found.n, both(top, "a", run.scales)
+        text.append(run.says(f"{share:.3g} % of {found.n:,} positions are higher than {height}."))
     return Section(
         "Height and pitch", "height_pitch",
         text=text,

@@ -43,7 +43,7 @@ def print_report(report: Report) -> None:
     if table.row_count:
         console.print(table)
     for warning in report.warnings:
-        console.print(Text("doubtful  ", style="yellow") + Text(warning), soft_wrap=not console.is_terminal)
+        console.print(Text.assemble(("doubtful  ", "yellow"), warning), soft_wrap=not console.is_terminal)
 
 
 def _unit(run: Run, path: tuple[str, ...]) -> str:

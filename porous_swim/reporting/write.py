@@ -21,7 +21,7 @@ from porous_swim.reporting import (
     winding,
 )
 from porous_swim.reporting.doubts import doubts
-from porous_swim.reporting.numbers import counted
+from porous_swim.reporting.numbers import both, counted
 from porous_swim.reporting.page import html
 from porous_swim.reporting.pictures import write_picture
 from porous_swim.reporting.run import Run, runs_of, scales_of
@@ -74,9 +74,9 @@ def write_report(every: Sequence[Results], out: Path) -> Report:
         raise ResultsError("report: found no results, one or more are wanted")
     runs = runs_of(every)
     sections = [make(runs) for make in SECTIONS]
-    found = [*(sentence for run in runs for sentence in doubts(run))]
+    found = [sentence for run in runs for sentence in doubts(run)]
     found += [sentence for section in sections for sentence in section.warnings]
-    warnings = list(dict.fromkeys(found))
+    warnings = _run_by_run(runs, list(dict.fromkeys(found)))
     try:
         (out / FIGURES).mkdir(parents=True, exist_ok=True)
         pictures = {
@@ -88,6 +88,15 @@ def write_report(every: Sequence[Results], out: Path) -> Report:
     except OSError as error:
         raise ResultsError(f"{out}: the report cannot be written ({error.strerror})") from error
     return Report(out / PAGE, runs, warnings)
+
+
+def _run_by_run(runs: Sequence[Run], sentences: Sequence[str]) -> list[str]:
+    """In the order of the runs that they are about."""
+
+    def number(sentence: str) -> int:
+        return next((i for i, run in enumerate(runs) if sentence.startswith(f"{run.label}: ")), 0)
+
+    return sorted(sentences, key=number)
 
 
 def _title(runs: Sequence[Run]) -> str:
@@ -104,4 +113,4 @@ def _lead(runs: Sequence[Run]) -> str:
 def _what(run: Run) -> str:
     info, status = run.results.info, run.results.summary.get("status", "status not known")
     swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
-    return f"{swimmers}, {colloids}, {info.duration:g} a/U, {status}"
+    return f"{swimmers}, {colloids}, {both(info.duration, 'a/U', run.scales)}, {status}"
