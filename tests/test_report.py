@@ -25,8 +25,9 @@ from porous_swim.plots import cell, fractions, hop_network
 from porous_swim.plots.colloids import images_in
 from porous_swim.reporting import density, network, residence
 from porous_swim.reporting import fractions as fractions_section
+from porous_swim.reporting.lifetime_tables import table_by_radius
 from porous_swim.reporting.numbers import value_and_error
-from porous_swim.reporting.run import runs_of
+from porous_swim.reporting.run import Run, runs_of
 from porous_swim.reporting.write import SECTIONS
 from porous_swim.results import TIMESERIES_SCHEMA, Results, make_table
 from tests import synthetic
@@ -341,6 +342,36 @@ def test_the_cell_is_that_of_the_lattice(runs):
     assert axis.get_xlim() == pytest.approx((0.0, 10.0), abs=1e-6)
     assert axis.get_ylim() == pytest.approx((0.0, 10.0 * math.sqrt(3.0)), abs=1e-6)
     assert len(axis.patches) == 5
+
+
+def test_heights_and_pitches_at_a_wall_are_those_above_the_wall():
+    """A swimmer at height 1.55 with pitch 30 degrees, above the wall z = 0 of the scene that ships."""
+    about = synthetic.info(n_swimmers=1, last_time=3.0)
+    position = np.zeros((4, 1, 3)) + np.array([7.0, -3.0, 1.55])
+    director = np.zeros((4, 1, 3)) + np.array([math.cos(math.pi / 6.0), 0.0, 0.5])
+    nobody = in_memory(synthetic.encounters(about, swimmer=[]))
+    results = replace(
+        nobody, info=about, colloids=synthetic.colloids(about, np.zeros((1, 3)), radius=math.inf),
+        trajectory=synthetic.trajectory(about, np.arange(4.0), position, director),
+    )  # fmt: skip
+    run = Run("wall", "black", results, ps.load_scene(ROOT / "scenes/wall.yaml"), "", 1)
+    axis = density.height_pitch_section([run]).draw().axes[0]
+    share = np.ma.filled(axis.collections[0].get_array(), 0.0)  # (heights, pitches)
+    (at,) = np.argwhere(share > 0.0)
+    assert share[tuple(at)] == 1.0
+    assert at.tolist() == [int(1.55 / 4.0 * 60), int((30.0 + 90.0) / 3.0)]
+
+
+def test_means_by_radius_are_time_over_ends_of_each():
+    moves = synthetic.random_moves(np.random.default_rng(5), n_swimmers=20, n_rows=200, last_time=100.0)
+    results = in_memory(moves, n_colloids=3)
+    colloids = results.colloids.set_column(4, results.colloids.schema.field("radius"), [[1.0, 2.0, 2.0]])
+    run = Run("run", "black", replace(results, encounters=moves, colloids=colloids), None, "", 1)
+    (table,) = table_by_radius([run])
+    for row, group in zip(table.rows, ({0}, {1, 2}), strict=True):
+        length = [row["end_time"] - row["start_time"] for row in moves.to_pylist() if row["colloid"] in group]
+        assert row[2].value == pytest.approx(sum(length) / len(length), rel=1e-12)  # none of them is cut off
+        assert row[4] == f"{len(length)}"
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from porous_swim.analysis.lagged import Lags
+from porous_swim.analysis.lagged import TimeAverages
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, panels
 
@@ -16,7 +16,7 @@ from porous_swim.plots.style import THEORY, Shown, legend, panels
 class Directors:
     """Correlation of directors of a run."""
 
-    correlation: Lags
+    correlation: TimeAverages
     free: np.ndarray | None  # (n_lags,) of a free swimmer with the same noise; None where the noise is not known
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.diffusion import EffectiveDiffusivity
-from porous_swim.analysis.displacements import AgainstLag
-from porous_swim.analysis.lagged import Lags
+from porous_swim.analysis.lagged import TimeAverages
+from porous_swim.analysis.transport import Lagged
 from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import THEORY, Shown, legend, panels
 
@@ -18,8 +18,8 @@ from porous_swim.plots.style import THEORY, Shown, legend, panels
 class Displacements:
     """Time-averaged displacements of a run."""
 
-    squares: Lags
-    exponent: AgainstLag
+    squares: TimeAverages
+    exponent: Lagged
     diffusivity: EffectiveDiffusivity
     dimensions: int
     free: np.ndarray | None = None  # (n_lags,) a^2, of a free swimmer at the lags of `squares`

@@ -13,7 +13,8 @@ from porous_swim.analysis.survival_band import survival_band
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned
 
-_LINES = ("--", ":", "-.")
+LAW_NAMES = {"exponential": "exponential", "inverse_gaussian": "inverse Gaussian", "power_law": "power law"}
+_LINES = {"exponential": "--", "inverse Gaussian": ":"}  # of laws of all lengths
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +22,6 @@ class Survival:
     """A curve, and laws to compare it with."""
 
     curve: SurvivalCurve
-    n_censored: int
     laws: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     """By name: times (n,), a/U, and probabilities (n,)."""
     theory: tuple[np.ndarray, np.ndarray] | None = None
@@ -57,9 +57,14 @@ def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
     axis.fill_between(
         curve.time[chosen], band.lower[chosen], band.upper[chosen], step="post", color=run.color, alpha=0.2, linewidth=0
     )
-    for (law, (at, value)), line in zip(run.data.laws.items(), _LINES, strict=False):
+    for law, (at, value) in run.data.laws.items():
         axis.plot(
-            at, value, line, color=run.color if name_it else THEORY, linewidth=1.0, label=None if name_it else law
+            at,
+            value,
+            _LINES[law],
+            color=run.color if name_it else THEORY,
+            linewidth=1.0,
+            label=None if name_it else law,
         )
     if run.data.theory is not None:
         axis.plot(*run.data.theory, color="#cc79a7", linewidth=1.4, label=None if name_it else "theory")

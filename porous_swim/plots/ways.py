@@ -27,6 +27,7 @@ class Ways:
     position: np.ndarray  # (n_frames, n_swimmers, 3) a, unwrapped
     state: np.ndarray  # (n_frames, n_swimmers) 0 free, 1 bound, 2 contact
     dimensions: int
+    wall_normal: np.ndarray | None = None  # (3,) where the one colloid is a plane wall: its centre is a point of that
 
 
 def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
@@ -50,8 +51,12 @@ def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
     position = ways.position[:, :, plane]
     low, high = _view(ways, plane)
     box = ways.box[plane[0]], ways.box[plane[1]]
-    centers, radii = images_in(ways.centers[:, plane], ways.radii, box=box, low=low, high=high)
-    if len(radii) <= _MOST_DISCS:
+    centers, radii = ways.centers[:, plane], ways.radii
+    if np.all(np.isfinite(radii)):
+        centers, radii = images_in(centers, radii, box=box, low=low, high=high)
+    if ways.wall_normal is not None:
+        _wall(axis, centers[0], ways.wall_normal[list(plane)])
+    elif len(radii) <= _MOST_DISCS:
         colloid_discs(axis, centers, radii, alpha=1.0 if ways.dimensions == 2 else 0.35)
     segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
     state = ways.state[1:].reshape(-1)
@@ -61,10 +66,16 @@ def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
+def _wall(axis, point: np.ndarray, normal: np.ndarray) -> None:
+    """The line in which a wall is seen, where it is seen from its edge."""
+    if np.hypot(*normal) > 1.0 - 1e-6:
+        axis.axline(point, point + np.array([-normal[1], normal[0]]), color="0.45", linewidth=3.0, zorder=1.0)
+
+
 def _view(ways: Ways, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Corners of what is shown: all ways, and all colloids of a field that does not repeat; as wide as high."""
     points = ways.position[:, :, plane].reshape(-1, 2)
-    if len(ways.centers) and not any(ways.box[axis] > 0.0 for axis in plane):
+    if len(ways.centers) and np.all(np.isfinite(ways.radii)) and not any(ways.box[axis] > 0.0 for axis in plane):
         reach = ways.radii[:, None]
         points = np.concatenate([points, ways.centers[:, plane] - reach, ways.centers[:, plane] + reach])
     if len(points) == 0:

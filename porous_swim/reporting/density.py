@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from porous_swim.analysis import cell_density, height_pitch_density
+from porous_swim.analysis import Map, cell_density, height_pitch_density, histogram_2d
+from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, radii_of
 from porous_swim.plots import cell, height_pitch
 from porous_swim.plots.colloids import images_in
@@ -34,7 +35,10 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         escape = None if run.scene is None else run.scene.encounter.escape_height
         top = HEIGHTS if escape is None else max(HEIGHTS, 2.0 * escape)
         heights = np.linspace(0.0, top, N_HEIGHTS + 1)
-        found = height_pitch_density(results.trajectory, results.colloids, heights=heights)
+        if run.at_wall and run.wall_normal is None:
+            missing.append(run.says("How the wall stands is not known, so heights above it are neither."))
+            continue
+        found = _height_pitch(run, heights)
         shown.append(run.shows(height_pitch.HeightPitch(found, escape)))
         share, height = 100.0 * found.n_outside / found.n, both(top, "a", run.scales)
         text.append(run.says(f"{share:.3g} % of {found.n:,} positions are higher than {height}."))
@@ -45,6 +49,20 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         caption="Height of the swimmer's centre above the nearest colloid, and pitch of its director above the tangent "
         "plane there (above 0: outwards).",
         missing=missing,
+    )  # fmt: skip
+
+
+def _height_pitch(run: Run, heights: np.ndarray) -> Map:
+    """The density above the nearest colloid, or above the wall."""
+    results, normal = run.results, run.wall_normal
+    if normal is None:
+        return height_pitch_density(results.trajectory, results.colloids, heights=heights)
+    offset = vectors(results.trajectory, "x", "y", "z") - centers_of(results.colloids)[0]
+    sine = vectors(results.trajectory, "ex", "ey", "ez") @ normal
+    return histogram_2d(
+        np.arcsin(np.clip(sine, -1.0, 1.0)), offset @ normal,
+        x_edges=np.linspace(-0.5 * np.pi, 0.5 * np.pi, N_HEIGHTS + 1), y_edges=heights,
+        swimmer=column(results.trajectory, "swimmer"),
     )  # fmt: skip
 
 

@@ -64,7 +64,11 @@ def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
     if not np.isfinite(fit.value):
         return [run.label, "–", "–", "–", "–", f"{fit.n:,}"]
     return [
-        run.label, Number(both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value),
+        run.label,
+        Number(
+            both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value,
+            note="" if fit.linear else "no line fits: not a diffusivity",
+        ),
         interval(*fit.interval, "a U", run.scales),
         interval(*fit.window, "a/U", run.scales), f"{fit.p_value:.2g}", f"{fit.n:,}",
     ]  # fmt: skip

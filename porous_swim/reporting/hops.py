@@ -45,7 +45,8 @@ def no_hops(run: Run) -> str:
     if len(run.results.colloids) == 0:
         return "There are no colloids to hop between."
     n = len(run.results.encounters)
-    return f"No swimmer hopped: {n} {'encounter was' if n == 1 else 'encounters were'} seen, none followed by another."
+    seen = "1 encounter was" if n == 1 else f"{n:,} encounters were"
+    return f"No swimmer hopped: {seen} seen, none followed by one with another colloid."
 
 
 def _distributions(run: Run, lengths: np.ndarray, times: np.ndarray) -> hops.HopDistributions:

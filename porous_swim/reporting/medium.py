@@ -55,7 +55,7 @@ def _ways(run: Run) -> ways.Ways:
     state = column(few, "state")[order].reshape(len(recorded.time), len(recorded.swimmer))
     return ways.Ways(
         centers_of(results.colloids), radii_of(results.colloids), results.info.box, recorded.position, state,
-        results.info.dimensions,
+        results.info.dimensions, run.wall_normal,
     )  # fmt: skip
 
 
@@ -80,7 +80,9 @@ def _facts(run: Run) -> dict[str, str]:
             "rotational diffusion D_r": both(scene.rotational_diffusion, "U/a", scales),
         }
     facts["colloids"] = f"{len(radii):,}"
-    if len(radii):
+    if run.at_wall:
+        facts["colloids"] = "a plane wall"
+    elif len(radii):
         least, largest = float(radii.min()), float(radii.max())
         several = f" to {both(largest, 'a', scales)}" if largest > least else ""
         facts["radius of colloids"] = both(least, "a", scales) + several

@@ -11,10 +11,12 @@ from porous_swim.plots.scales import Scales, pretty
 NONE = "–"
 
 
-def value_and_error(value: float, error: float | None) -> str:
-    """`39.41 ± 0.14`: two digits of the error, and the value to the same place."""
+def value_and_error(value: float, error: float | None, *, digits: int = 4) -> str:
+    """`39.41 ± 0.14`: two digits of the error, and the value to the same place; without an error so many `digits`."""
+    if not math.isfinite(value):
+        return NONE
     if error is None or not math.isfinite(error):
-        return f"{value:.4g}"
+        return f"{value:.{digits}g}"
     if error == 0.0:
         return f"{value:.6g} ± 0"
     place = 1 - math.floor(math.log10(error))
@@ -29,13 +31,14 @@ def value_and_error(value: float, error: float | None) -> str:
 
 def with_unit(value: float, error: float | None, unit: str) -> str:
     """The same with its unit."""
-    return " ".join(part for part in (value_and_error(value, error), pretty(unit)) if part)
+    text = value_and_error(value, error)
+    return f"{text} {pretty(unit)}" if unit and text != NONE else text
 
 
 def physical(value: float, error: float | None, unit: str, scales: Scales | None) -> str:
     """The same in the laboratory's units; nothing where there are none for it."""
     found = scales and scales.physical(unit)
-    if not found:
+    if not found or not math.isfinite(value):
         return ""
     factor, name = found
     return f"{value_and_error(value * factor, None if error is None else error * factor)} {name}"
@@ -49,6 +52,8 @@ def both(value: float, unit: str, scales: Scales | None, *, error: float | None 
 
 def interval(low: float, high: float, unit: str, scales: Scales | None) -> str:
     """`5 to 6 a (5 to 6 µm)`."""
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return NONE
     text = f"{low:.4g} to {high:.4g} {pretty(unit)}".rstrip()
     found = scales and scales.physical(unit)
     return f"{text} ({low * found[0]:.4g} to {high * found[0]:.4g} {found[1]})" if found else text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
@@ -101,7 +102,7 @@ def _table(table: Table) -> str:
 
 
 def _cell(cell: Cell) -> str:
-    if isinstance(cell, Number):
+    if isinstance(cell, Number) and math.isfinite(cell.value):
         note = f"<small>{escape(cell.note)}</small>" if cell.note else ""
         return f'<data value="{cell.value!r}">{escape(cell.text)}</data>{note}'
-    return escape(cell)
+    return escape(cell.text if isinstance(cell, Number) else cell)

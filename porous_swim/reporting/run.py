@@ -7,10 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis import hop_table
+from porous_swim.analysis.places import radii_of
 from porous_swim.errors import SceneError
+from porous_swim.obstacles.wall import Wall
+from porous_swim.parts import unit_vector
 from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown
 from porous_swim.results import Results
@@ -34,6 +38,18 @@ class Run:
     def scales(self) -> Scales | None:
         """What a and a/U are in the laboratory."""
         return Scales.of(self.results.info.units)
+
+    @property
+    def at_wall(self) -> bool:
+        """Whether the one obstacle is a plane wall, whose radius is infinite in the table of colloids."""
+        return bool(np.any(np.isinf(radii_of(self.results.colloids))))
+
+    @cached_property
+    def wall_normal(self) -> np.ndarray | None:
+        """Unit vector (3,) from the wall into the fluid; None without a wall, or where its scene is not known."""
+        if self.scene is None or not isinstance(self.scene.obstacles, Wall):
+            return None
+        return unit_vector(self.scene.obstacles.normal, key="obstacles.normal", dimensions=self.results.info.dimensions)
 
     @cached_property
     def hops(self) -> pa.Table:

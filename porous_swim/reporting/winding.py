@@ -19,12 +19,15 @@ N_BINS = 40
 
 def section(runs: Sequence[Run]) -> Section:
     """Distributions over completed encounters, in common bins."""
-    completed = [run for run in runs if _turns(run).size]
-    missing = [
-        run.says(f"No encounter was completed ({len(run.results.encounters)} under way): windings are not known.")
-        for run in runs
-        if run not in completed
-    ]
+    completed, missing = [], []
+    for run in runs:
+        if run.at_wall:
+            missing.append(run.says("Nobody winds around a plane wall."))
+        elif _turns(run).size == 0:
+            n = len(run.results.encounters)
+            missing.append(run.says(f"No encounter was completed ({n} under way): windings are not known."))
+        else:
+            completed.append(run)
     largest = max((float(np.max(_turns(run))) for run in completed), default=0.0)
     edges = np.linspace(0.0, largest if largest > 0.0 else 1.0, N_BINS + 1)
     found: list[Shown[Orbits]] = [run.shows(orbits(run.results.encounters, edges=edges)) for run in completed]
@@ -46,5 +49,5 @@ def _turns(run: Run) -> np.ndarray:
 
 def _row(found: Orbits) -> list[str]:
     shares = (found.above_one_turn, found.net_above_one_turn, found.counterclockwise)
-    texts = [value_and_error(share.value, share.standard_error) if share.n else "–" for share in shares]
+    texts = [value_and_error(share.value, share.standard_error) for share in shares]
     return [*texts, f"{found.above_one_turn.n:,}", f"{found.above_one_turn.n_censored:,}"]

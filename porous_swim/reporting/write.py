@@ -113,4 +113,5 @@ def _lead(runs: Sequence[Run]) -> str:
 def _what(run: Run) -> str:
     info, status = run.results.info, run.results.summary.get("status", "status not known")
     swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
+    colloids = "a plane wall" if run.at_wall else colloids
     return f"{swimmers}, {colloids}, {both(info.duration, 'a/U', run.scales)}, {status}"
