@@ -26,5 +26,6 @@ def draw(shown: list[Shown[pa.Table]], scales: Scales | None) -> Figure:
             axis.fill_between(time, fraction - error, fraction + error, color=run.color, alpha=0.15, linewidth=0)
     axis.set(ylim=(-0.02, 1.02), ylabel="fraction of swimmers")
     label_x(axis, "time", "a/U", scales)
-    legend(axis)
+    beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}  # several runs leave no room inside
+    legend(axis, **(beside if len(shown) > 1 else {}))
     return picture

@@ -16,7 +16,7 @@ from porous_swim.plots.colloids import colloid_discs
 from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, name_panels, panels
 
-_WIDEST = 5.0  # points
+_WIDEST, _MANY = 5.0, 6.0  # points, for the most hops; and for as many at least
 _MOST_LINES = 2000  # as such in an SVG; more go in as one picture
 
 
@@ -40,7 +40,8 @@ def draw(shown: list[Shown[Network]], scales: Scales | None) -> Figure:
         half = 0.5 * vectors(run.data.links, "bond_x", "bond_y")
         order = np.argsort(count)  # the busiest on top
         lines = LineCollection(
-            list(np.stack([start, start + half], axis=1)[order]), linewidths=_WIDEST * (count / count.max())[order],
+            list(np.stack([start, start + half], axis=1)[order]),
+            linewidths=_WIDEST * count[order] / max(float(count.max()), _MANY),
             cmap=MAP_COLORS, capstyle="butt", zorder=2.0,
             rasterized=len(count) > _MOST_LINES,
         )  # fmt: skip

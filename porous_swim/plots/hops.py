@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from porous_swim.analysis.histogram import Histogram
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import Shown, legend, panels
-from porous_swim.plots.winding import bars
+from porous_swim.plots.winding import bars, logarithmic
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ def draw(shown: list[Shown[HopDistributions]], scales: Scales | None) -> Figure:
     label_x(time, "hop time", "a/U", scales)
     angle.set_xlabel("turning angle (degrees)")
     angle.xaxis.set_major_locator(_every(60.0))
-    time.set_yscale("log")
+    logarithmic(time, [run.data.time for run in shown])
     for axis in (length, time, angle):
         axis.set_ylabel("share of hops")
     length.set_ylim(bottom=0.0)

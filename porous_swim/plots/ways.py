@@ -15,6 +15,7 @@ from porous_swim.plots.style import STATE_COLORS, STATE_NAMES, Shown, legend, pa
 
 _MOST_DISCS = 20000
 _MARGIN = 0.06
+_BEHIND = 0.22  # opacity of colloids that are seen through each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,7 @@ def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
     if ways.wall_normal is not None:
         _wall(axis, centers[0], ways.wall_normal[list(plane)])
     elif len(radii) <= _MOST_DISCS:
-        colloid_discs(axis, centers, radii, alpha=1.0 if ways.dimensions == 2 else 0.35)
+        colloid_discs(axis, centers, radii, alpha=1.0 if ways.dimensions == 2 else _BEHIND)
     segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
     state = ways.state[1:].reshape(-1)
     for value, color in enumerate(STATE_COLORS):

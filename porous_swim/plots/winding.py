@@ -18,12 +18,19 @@ def draw(shown: list[Shown[Orbits]]) -> Figure:
         bars(axes[0], run.data.winding, color=run.color, label=run.label if len(shown) > 1 else None)
         if signed and run.data.signed_winding.n > 0:
             bars(axes[1], run.data.signed_winding, color=run.color)
-    axes[0].set(xlabel="winding (turns)", ylabel="share of completed encounters", yscale="log")
+    axes[0].set(xlabel="winding (turns)", ylabel="share of completed encounters")
+    logarithmic(axes[0], [run.data.winding for run in shown])
     legend(axes[0])
     if signed:
         axes[1].axvline(0.0, color="0.6", linewidth=0.8)
         axes[1].set(xlabel="net winding, counterclockwise (turns)", ylabel="share of completed encounters")
     return picture
+
+
+def logarithmic(axis, every: list[Histogram]) -> None:
+    """A logarithmic axis from half of the least share on, as errors may reach down to nothing."""
+    least = min((1.0 / found.n for found in every if found.n), default=1.0)
+    axis.set(yscale="log", ylim=(0.5 * least, 1.3))
 
 
 def bars(axis, found: Histogram, *, color: str, label: str | None = None) -> None:

@@ -77,6 +77,9 @@ def cell_section(runs: Sequence[Run]) -> Section:
         if len(run.results.trajectory) == 0:
             missing.append(run.says("No swimmer was recorded (record.swimmers)."))
             continue
+        if run.results.info.dimensions == 3 and _cells(run) is None:
+            missing.append(run.says("The field is no lattice: all of it seen along z would show nothing."))
+            continue
         found, what = _cell(run)
         shown.append(run.shows(found))
         text.append(run.says(f"{found.density.n:,} positions folded into {what}."))
@@ -89,9 +92,14 @@ def cell_section(runs: Sequence[Run]) -> Section:
     )  # fmt: skip
 
 
+def _cells(run: Run) -> Sequence[int] | None:
+    """How many cells of a lattice the box has along each axis; None where there is no lattice, or no scene."""
+    return getattr(run.scene.obstacles, "cells", None) if run.scene is not None else None
+
+
 def _cell(run: Run) -> tuple[cell.Cell, str]:
     results, box = run.results, run.results.info.box
-    cells = getattr(run.scene.obstacles, "cells", None) if run.scene is not None else None
+    cells = _cells(run)
     edges = (box[0] / cells[0], box[1] / cells[1]) if cells else (box[0], box[1])
     low, high = np.zeros(2), np.asarray(edges)
     centers, radii = images_in(

@@ -16,6 +16,7 @@ from porous_swim.reporting.section import Cell, Number, Table
 FEWEST_ENDS = 10  # to fit laws of two parameters, and again half of them
 MOST_TESTED = 5000  # lengths: drawing more and fitting them a hundred times takes too long
 N_REPEATS = 99
+MOST_RADII = 60  # of a table; where every colloid has a radius of its own, single ones say little
 ABOUT_LAWS = (
     "Laws are fitted to all encounters, and to the tail above the median of the completed ones; errors are over "
     "swimmers. Within each of the two, the law of the least AIC is nearest to the data. p is the share of samples "
@@ -62,11 +63,11 @@ def _rows(run: Run, lifetimes: Lifetimes, fit: LifetimeFit) -> list[list[Cell]]:
 
 
 def table_by_radius(runs: Sequence[Run]) -> list[Table]:
-    """Mean residence and winding for each radius that was met; no table where there is one radius."""
+    """Mean residence and winding for each radius that was met; no table where there is one radius, or too many."""
     rows: list[list[Cell]] = []
     for run in runs:
         parts = analysis.by_radius(run.results.encounters, run.results.colloids)
-        for radius, part in parts.items() if len(parts) > 1 else ():
+        for radius, part in parts.items() if 1 < len(parts) <= MOST_RADII else ():
             times, turns = analysis.residence_times(part), analysis.winding(part)
             rows.append(
                 [
