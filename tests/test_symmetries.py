@@ -23,6 +23,7 @@ radii = st.floats(0.05, 1e4)
 heights = st.floats(0.1, 100.0)
 strengths = st.floats(0.05, 20.0).flatmap(lambda size: st.sampled_from([size, -size]))
 ratios = st.floats(0.01, 1.0)
+factors = st.floats(-8.0, 8.0, allow_subnormal=False)  # Taichi flushes them to 0 in its process, numpy included
 
 
 def unit_vectors(rng, n=N):
@@ -80,7 +81,7 @@ def test_the_sphere_drags_and_turns_a_swimmer_the_same_whether_it_faces_ahead_or
 
 
 @checked
-@given(seed=seeds, radius=radii, height=heights, alpha=strengths, gamma=ratios, factor=st.floats(-8.0, 8.0))
+@given(seed=seeds, radius=radii, height=heights, alpha=strengths, gamma=ratios, factor=factors)
 def test_flow_and_turning_are_proportional_to_the_dipole(seed, radius, height, alpha, gamma, factor):
     n, e, _, _ = directions(seed)
     places = ((radius + height) * n, e)
