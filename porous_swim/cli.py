@@ -126,10 +126,10 @@ def report(
     """Summarise a run, and write pictures and tables as one HTML page. The last line on stdout is its path."""
     from porous_swim.reporting.terminal import print_report
     from porous_swim.reporting.write import write_report
-    from porous_swim.results import load_results
+    from porous_swim.results import REPORT, load_results
 
     every = [load_results(folder) for folder in (run_folder, *(compare or []))]
-    made = write_report(every, out or run_folder / ("comparison" if compare else "report"))
+    made = write_report(every, out or run_folder / ("comparison" if compare else REPORT))
     print_report(made)
     print(made.page)
 

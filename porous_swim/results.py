@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import shutil
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -74,6 +75,7 @@ SCHEMAS = {
     "trajectory": TRAJECTORY_SCHEMA,
 }
 SUMMARY = "summary.json"
+REPORT = "report"  # folder of the page that `porous-swim report` makes of a run
 RUN_FILES = (
     SUMMARY,
     "scene.yaml",
@@ -214,7 +216,7 @@ class RunFolder:
 
     @classmethod
     def at(cls, path: Path | str, *, overwrite: bool = False) -> RunFolder:
-        """Create `path` or take it where it is empty; `overwrite` removes the files of an earlier run."""
+        """Create `path` or take it where it is empty; `overwrite` removes the files and the report of an earlier run."""
         path = Path(path)
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -223,6 +225,7 @@ class RunFolder:
             for name in RUN_FILES:  # the summary first: half an old run must not look finished
                 (path / name).unlink(missing_ok=True)
                 (path / (name + _PART)).unlink(missing_ok=True)
+            shutil.rmtree(path / REPORT, ignore_errors=True)  # it tells of the run that was there
         except OSError as error:
             raise ResultsError(f"{path}: cannot be used as a run folder ({error.strerror})") from error
         return cls(path)

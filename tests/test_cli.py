@@ -76,7 +76,9 @@ def test_a_folder_in_use_is_kept_unless_forced(scene, failed, tmp_path):
     assert "blue" in failed("run", scene, "--out", "mine", "--force", "--set", "run.device=blue")
     failed("run", scene, "--out", "mine", "--force", "--set", "swimmers.release={kind: point, position: [0, 0]}")
     assert (tmp_path / "mine/summary.json").read_bytes() == before
+    (tmp_path / "mine/report").mkdir()
     assert porous_swim("run", scene, "--quiet", "--out", "mine", "--force", cwd=tmp_path).returncode == 0
+    assert not (tmp_path / "mine/report").exists()
     assert json.loads((tmp_path / "mine/summary.json").read_text())["provenance"]["seed"] == 1
 
 
