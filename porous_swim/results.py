@@ -216,7 +216,7 @@ class RunFolder:
 
     @classmethod
     def at(cls, path: Path | str, *, overwrite: bool = False) -> RunFolder:
-        """Create `path` or take it where it is empty; `overwrite` removes the files and the report of an earlier run."""
+        """Create `path` or take it where it is empty; `overwrite` removes an earlier run and its report."""
         path = Path(path)
         try:
             path.mkdir(parents=True, exist_ok=True)
