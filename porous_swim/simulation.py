@@ -48,8 +48,11 @@ class Start:
 class Simulation:
     """A scene placed on a device: advance it step by step with `advance` and look at `frame`."""
 
-    def __init__(self, scene: Scene, start: Start | None = None) -> None:
-        """Compile the kernel for a scene and its start, by default `Start.of(scene)`."""
+    def __init__(self, scene: Scene, start: Start | None = None, *, lanes: int | None = None) -> None:
+        """Compile the kernel for a scene and its start, by default `Start.of(scene)`.
+
+        `lanes` is the number of swimmers to a block; it changes the speed only.
+        """
         start = Start.of(scene) if start is None else start
         self.scene, self.backend, self.field = scene, start.backend, start.field
         noise = scene.noise
@@ -59,7 +62,7 @@ class Simulation:
                 scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed
             ),
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
-            variates=noise.variates if isinstance(noise, Brownian) else None,
+            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes,
         )  # fmt: skip
 
     @property

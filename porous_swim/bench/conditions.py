@@ -1,11 +1,11 @@
-"""The engine against itself: precision, noise, number of swimmers, memory. In the fcc lattice, everything on."""
+"""The engine against itself: lanes, precision, noise, number of swimmers, memory. In the fcc lattice, everything on."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from porous_swim.bench.figure import Conditions, Figure, Setting, compared
-from porous_swim.bench.job import crystal, lattice
+from porous_swim.bench.job import crystal, lattice, single
 from porous_swim.bench.timing import take_turns
 from porous_swim.bench.works import Placed
 from porous_swim.scene import Scene
@@ -33,6 +33,18 @@ def _pair(setting: Setting, name: str, scene: Scene, *, target: float) -> Figure
     times = take_turns({left: changed.work(counts.n_steps), right: plain.work(counts.n_steps)}, counts.rounds)
     where = Conditions(changed.simulation.scene.precision, 1, n, plain.n_colloids, counts.n_steps, rounds=counts.rounds)
     return compared(name, times, left, right, where, target=target)
+
+
+def lanes(setting: Setting) -> Sequence[Figure]:
+    """The engine over the same kernel with one lane to a block, for one colloid and for a field."""
+    counts, n = setting.counts, setting.counts.n_swimmers
+    figures = []
+    for name, scene in (("one colloid", single(n)), ("fcc lattice", lattice(n))):
+        narrow, wide = Placed.of(scene, lanes=1), Placed.of(scene)
+        times = take_turns({"one lane": narrow.work(counts.n_steps), "lanes": wide.work(counts.n_steps)}, counts.rounds)
+        where = Conditions("f32", 1, n, wide.n_colloids, counts.n_steps, rounds=counts.rounds)
+        figures.append(compared(f"{name}, lanes over one lane", times, "lanes", "one lane", where, target=0.5))
+    return figures
 
 
 def populations(setting: Setting) -> Sequence[Figure]:

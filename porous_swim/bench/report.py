@@ -22,6 +22,7 @@ GROUPS: dict[str, Group] = {
     "one_colloid": one_colloid.figures,
     "fields": fields.against_c,
     "colloids": fields.more_colloids,
+    "lanes": conditions.lanes,
     "swimmers": conditions.populations,
     "threads": threads.figures,
     "precision": conditions.precision,

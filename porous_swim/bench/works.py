@@ -60,9 +60,9 @@ class Placed:
     simulation: Simulation
 
     @classmethod
-    def of(cls, scene: Scene, *, settling: int = SETTLING) -> Placed:
+    def of(cls, scene: Scene, *, settling: int = SETTLING, lanes: int | None = None) -> Placed:
         """Compile and settle."""
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, lanes=lanes)
         simulation.advance(settling)
         return cls(simulation)
 
