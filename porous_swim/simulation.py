@@ -81,14 +81,15 @@ class Simulation:
 
     def frame(self) -> Frame:
         """All swimmers as they are now, and what ended since the last frame."""
-        now, ended = self.engine.snapshot(), self.engine.ended()
+        now, news = self.engine.look()
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,
             image=now.image, state=state, counts=Counts(*self.engine.counts()),
-            residence=ended.residence, winding=ended.winding, hop_time=ended.hop_time,
+            residence=news.residence, winding=news.winding, hop_time=news.hop_time, hops=news.hops,
+            under_way=(self.step - now.start[now.bound]) * self.scene.run.time_step,
         )  # fmt: skip
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:

@@ -59,10 +59,11 @@ class Walkers:
         if start is not None:
             self.director = self._unit(np.array([1.0, 0.0, 0.0]) + 0.12 * self.director)
         self.state = np.full(n_swimmers, FREE, dtype=np.uint8)
-        self.last = np.full(n_swimmers, -1)  # colloid of the last encounter
+        self.last = np.full((n_swimmers, 4), -1)  # colloid and image of the last encounter
         self.since = np.zeros(n_swimmers)  # start of the encounter, or of the flight
         self.counts = np.zeros(4, dtype=int)  # captures, escapes, hops, returns
         self.ended: dict[str, list[float]] = {"residence": [], "winding": [], "hop_time": []}
+        self.hops: list[np.ndarray] = []  # (n, 2, 4) each
 
     def _unit(self, vectors: np.ndarray) -> np.ndarray:
         vectors[:, self.field.dimensions :] = 0.0
@@ -122,33 +123,43 @@ class Walkers:
         self.position[gliding] += (CONTACT_HEIGHT - height[gliding, None]) * normal
 
     def _book(self, *, time: float, colloid: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> None:
-        again = starts & (self.last >= 0)
-        hops = again & (self.last != colloid)
+        host = np.column_stack([colloid, self._image(colloid)])
+        again = starts & (self.last[:, 0] >= 0)
+        hops = again & np.any(self.last != host, axis=1)
         self.counts += [starts.sum(), ends.sum(), hops.sum(), (again & ~hops).sum()]
         length = time - self.since
         self.ended["residence"] += list(length[ends])
         self.ended["winding"] += list(length[ends] / (2.0 * np.pi * (self.field.radii[colloid[ends]] + 1.0)))
         self.ended["hop_time"] += list(length[hops])
-        self.last[starts] = colloid[starts]
+        self.hops.append(np.stack([self.last, host], axis=1)[hops])
+        self.last[starts] = host[starts]
         self.since[starts | ends] = time
+
+    def _image(self, colloid: np.ndarray) -> np.ndarray:
+        if self.tree is None:
+            return np.zeros((len(colloid), 3), dtype=np.int32)
+        box = self.field.box
+        return np.round((self.position - self.field.centers[colloid]) / np.where(box > 0.0, box, np.inf)).astype(
+            np.int32
+        )
 
     def frame(self, *, step: int, time: float) -> Frame:
         """What an observer sees now; empties the lists of ended encounters."""
-        colloid, offset, _ = self.nearest(self.position)
+        colloid, _, _ = self.nearest(self.position)
         ended = {name: np.array(values, dtype=float) for name, values in self.ended.items()}
-        self.ended = {name: [] for name in self.ended}
-        box = self.field.box
-        shift = self.position - offset - (self.field.centers[colloid] if self.tree else 0.0)
-        image = np.round(shift / np.where(box > 0.0, box, np.inf)).astype(np.int32)
+        hops = np.concatenate([np.zeros((0, 2, 4), np.int32), *self.hops]).astype(np.int32)
+        self.ended, self.hops = {name: [] for name in self.ended}, []
         return Frame(
             step=step,
             time=time,
             position=self.position.copy(),
             director=self.director.copy(),
             colloid=colloid.astype(np.int32),
-            image=image,
+            image=self._image(colloid),
             state=self.state.copy(),
             counts=Counts(*self.counts.tolist()),
+            under_way=time - self.since[self.state != FREE],
+            hops=hops,
             **ended,
         )
 

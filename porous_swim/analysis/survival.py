@@ -22,6 +22,10 @@ class SurvivalCurve:
     n_at_risk: np.ndarray  # (n_times,) samples that lasted to `time`
     n_ended: np.ndarray  # (n_times,) samples that ended at `time`
 
+    def at(self, time: np.ndarray) -> np.ndarray:
+        """The probability to last longer than each of the times (n,), a/U."""
+        return np.append(1.0, self.probability)[np.searchsorted(self.time, time, side="right")]
+
 
 @dataclass(frozen=True)
 class WaitingTimes:

@@ -13,7 +13,7 @@ from porous_swim.engine.backend import Backend
 from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
-from porous_swim.engine.records import Ended, Records
+from porous_swim.engine.records import News, Records
 from porous_swim.engine.state import Event, Int, Status, Total
 from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.engine.transfer import on_host
@@ -83,7 +83,7 @@ class Engine:
         self.n_swimmers, self.step = len(position), 0
         self._field, self._numbers, self._chunk = field, numbers, chunk
         self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
-        self._news: list[Ended] = []
+        self._news: list[News] = []
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES if backend.is_cpu else 1)
@@ -132,13 +132,14 @@ class Engine:
         """Where all swimmers are."""
         return self._host().snapshot()
 
-    def ended(self) -> Ended:
-        """What ended since the last call."""
+    def look(self) -> tuple[Snapshot, News]:
+        """Where all swimmers are, and what happened since the last look."""
         self._drain()
-        news, self._news = self._news, []
-        joined = (np.concatenate([getattr(one, name) for one in news] or [np.zeros(0)]) for name in
-                  ("residence", "winding", "hop_time"))  # fmt: skip
-        return Ended(*joined)
+        now = self.snapshot()
+        who = np.flatnonzero(now.bound)
+        news = [*self._news, self._records.under_way(who, now.host[who], now.start[who])]
+        self._news = []
+        return now, News.joined(news)
 
     def encounters(self) -> dict[str, np.ndarray]:
         """Columns of the encounter table, encounters under way included as censored; to be called at the end."""

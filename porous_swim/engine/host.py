@@ -20,6 +20,8 @@ class Snapshot:
     colloid: np.ndarray  # (n,) int32, the nearest; -1 in an empty field
     image: np.ndarray  # (n, 3) int32, periodic image of that colloid
     bound: np.ndarray  # (n,) bool, in an encounter
+    host: np.ndarray  # (n, 4) int32, colloid and image of the present or latest encounter
+    start: np.ndarray  # (n,) float64, steps, when that began
     height: np.ndarray  # (n,) float64, a, above the colloid of the encounter, else above the nearest
     pitch_sine: np.ndarray  # (n,) float64, of the pitch there; 0 in an empty field
     radius: np.ndarray  # (n,) float64, a, of that colloid; infinite at a wall and in an empty field
@@ -78,8 +80,9 @@ class HostState:
             radius = self.field.radii[host]
             height, sine = self.field.stance(r, director, host)
         return Snapshot(
-            position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound, height, sine,
-            radius,
+            position, director, colloid.copy(), self.int[Int.IMAGE : Int.IMAGE + 3].T.copy(), bound,
+            self.int[Int.BOUND : Int.BOUND + 4].T.copy(),
+            self.long[Long.START] + self.real[rows.start_clock].astype(np.float64), height, sine, radius,
         )  # fmt: skip
 
     def open_rows(self, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

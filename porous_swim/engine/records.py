@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -16,12 +17,20 @@ CLOCK = {  # the column that says what a number of steps lacks
 
 
 @dataclass(frozen=True, eq=False)
-class Ended:
-    """Lengths of what ended since the last look."""
+class News:
+    """What happened since the last look."""
 
-    residence: np.ndarray  # (n,) a/U, of encounters
+    residence: np.ndarray  # (n,) a/U, of the encounters that ended
     winding: np.ndarray  # (n,) turns, of the same
-    hop_time: np.ndarray  # (n,) a/U, of flights between two colloids
+    hop_time: np.ndarray  # (m,) a/U, of the flights that ended on another colloid than they began
+    hops: np.ndarray  # (m, 2, 4) int32, of the same: colloid and image, that left and that entered
+
+    @classmethod
+    def joined(cls, parts: Sequence[News]) -> News:
+        """All the news of `parts`, in their order."""
+        nothing = cls(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 2, 4), np.int32))
+        names = [item.name for item in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in (nothing, *parts)]) for name in names))
 
 
 class Records:
@@ -36,10 +45,11 @@ class Records:
         self._censored: list[np.ndarray] = []
         self._late: list[np.ndarray] = []  # (n, 3): swimmer, start, step of the escape pitch
         self._late_clock: list[np.ndarray] = []  # (n,) what that step lacks
-        self._last_end = np.full(n_swimmers, -1.0)  # of each swimmer's latest logged encounter, in steps
+        # of each swimmer's latest encounter, in steps; NaN where it was under way when it was seen
+        self._last_start, self._last_end = np.full(n_swimmers, -1.0), np.zeros(n_swimmers)
         self._last_host = np.zeros((n_swimmers, 4), np.int32)  # its colloid and image
 
-    def add(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray, *, censored: bool = False) -> Ended:
+    def add(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray, *, censored: bool = False) -> News:
         """Take rows of the log; `censored` are those of encounters still under way."""
         late = long[:, LogLong.END] < 0
         self._late.append(
@@ -54,24 +64,34 @@ class Records:
         self._censored.append(np.full(len(keep), censored))
         start, end = self._clocked(real, long, LogLong.START), self._clocked(real, long, LogLong.END)
         residence = (end - start) * self._time_step
-        return Ended(residence, real[:, self._columns.winding].astype(float), self._hop_times(integer, start, end))
+        who, host = integer[:, LogInt.SWIMMER], integer[:, LogInt.COLLOID :]
+        return News(residence, real[:, self._columns.winding].astype(float), *self._hops(who, host, start, end))
+
+    def under_way(self, who: np.ndarray, host: np.ndarray, start: np.ndarray) -> News:
+        """Note encounters under way of swimmers `who` (n,) with `host` (n, 4) since `start` (n,), steps: the hops there."""
+        nothing = np.zeros(0)
+        return News(nothing, nothing, *self._hops(who, host, start, np.full(len(who), np.nan)))
 
     def _clocked(self, real: np.ndarray, long: np.ndarray, which: LogLong) -> np.ndarray:
         """Times in steps, as real numbers."""
         return long[:, which] + real[:, getattr(self._columns, CLOCK[which])].astype(float)
 
-    def _hop_times(self, integer: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """Times from the end of each swimmer's previous encounter, where that was with another colloid."""
-        who, host = integer[:, LogInt.SWIMMER], integer[:, LogInt.COLLOID :]
+    def _hops(
+        self, who: np.ndarray, host: np.ndarray, start: np.ndarray, end: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Flight times and pairs of colloids of the hops into encounters, sorted by swimmer and time, not yet noted."""
         if len(who) == 0:
-            return np.zeros(0)
+            return np.zeros(0), np.zeros((0, 2, 4), np.int32)
+        fresh = start > self._last_start[who]  # the others were seen under way
         first = np.r_[True, who[1:] != who[:-1]]
         before = np.where(first, self._last_end[who], np.r_[0.0, end[:-1]])
         host_before = np.where(first[:, None], self._last_host[who], np.r_[host[:1], host[:-1]])
-        last = np.r_[who[1:] != who[:-1], True]
-        self._last_end[who[last]], self._last_host[who[last]] = end[last], host[last]
-        hopped = (before >= 0) & np.any(host != host_before, axis=1)
-        return np.asarray((start - before)[hopped] * self._time_step)
+        known = ~first | (self._last_start[who] >= 0.0)
+        last = np.r_[first[1:], True]
+        for store, values in ((self._last_start, start), (self._last_end, end), (self._last_host, host)):
+            store[who[last]] = values[last]
+        hopped = fresh & known & np.any(host != host_before, axis=1)
+        return (start - before)[hopped] * self._time_step, np.stack([host_before, host], axis=1)[hopped]
 
     def columns(self) -> dict[str, np.ndarray]:
         """The encounter table's columns, sorted by start time, then swimmer. Times in a/U, lengths in a."""

@@ -45,7 +45,9 @@ class Frame:
     counts: Counts
     residence: np.ndarray  # (n,) float64, a/U: lengths of the encounters that ended since the last frame
     winding: np.ndarray  # (n,) float64, turns: of those encounters
-    hop_time: np.ndarray  # (n,) float64, a/U: lengths of the flights (hops) that ended since the last frame
+    under_way: np.ndarray  # (m,) float64, a/U: how long the encounters under way have lasted
+    hop_time: np.ndarray  # (n_hops,) float64, a/U: lengths of the flights (hops) that ended since the last frame
+    hops: np.ndarray  # (n_hops, 2, 4) int32, of the same: colloid and periodic image, that left and that entered
 
 
 class Observer(Protocol):

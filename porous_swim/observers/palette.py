@@ -13,6 +13,9 @@ STATE_COLORS = {FREE: (86, 180, 233), BOUND: (240, 228, 66), CONTACT: (213, 94, 
 HOP_COLOR = (0, 158, 115)
 RETURN_COLOR = (204, 121, 167)
 MSD_COLOR = (230, 159, 0)
+SURVIVAL_COLOR = (204, 121, 167)
+HEIGHT_COLOR, PITCH_COLOR = (0, 114, 178), (230, 159, 0)
+HOP_SHADES = (52, 74, 84), HOP_COLOR, (240, 228, 66)  # of the network, from rare to busy: lightness rises
 DIRECTOR = (236, 236, 240)  # not the state's: an arrow must be seen on its own swimmer
 
 GROUND = (16, 18, 22)

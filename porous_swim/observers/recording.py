@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import rerun as rr
@@ -15,7 +16,10 @@ from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.blueprint import Layout
 from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_wall, log_world
-from porous_swim.observers.statistics import HistogramTrack, SeriesTrack
+from porous_swim.observers.followed import FollowedTrack
+from porous_swim.observers.network import HopTrack
+from porous_swim.observers.space import Space
+from porous_swim.observers.statistics import DistributionTrack, SeriesTrack
 from porous_swim.observers.stream import RecordingFile
 from porous_swim.observers.summary_page import SummaryPage
 from porous_swim.observers.swimmers import SwimmerTrack
@@ -44,12 +48,23 @@ def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int) -> str |
     )
 
 
+class Track(Protocol):
+    """One part of a recording."""
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame."""
+
+    def finish(self) -> None:
+        """Send what waits."""
+
+
 class Recording:
     """Writes `path` while the run goes on, under the name with `.part` appended until `finish`.
 
-    `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; `n_steps`
-    is the length that the run is meant to have, `swimmer_radius` the semi-minor axis. `units` are the length
-    a in um and the time a/U in s. `RunError` where the file cannot be written.
+    `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; the first of
+    these is followed on a page of its own. `n_steps` is the length that the run is meant to have, `swimmer_radius`
+    the semi-minor axis. `units` are the length a in um and the time a/U in s. `RunError` where the file cannot be
+    written.
     """
 
     def __init__(
@@ -82,6 +97,7 @@ class Recording:
         self._last: Frame | None = None
         self._start: np.ndarray | None = None  # (n_recorded, 3)
         self._results: str | None = None
+        self._tracks: list[Track] = []
         self._visited: set[int] = set()
         self._failed = False
         self._finished = False
@@ -95,9 +111,8 @@ class Recording:
         try:
             if self._file is None:
                 self._open(frame)
-            self._swimmer_track.observe(frame)
-            self._series.observe(frame)
-            self._histograms.observe(frame)
+            for track in self._tracks:
+                track.observe(frame)
         except RunError:
             self._failed = True
             raise
@@ -111,9 +126,8 @@ class Recording:
             return
         self._finished = True
         step, time = self._last.step, self._last.time
-        self._swimmer_track.send()
-        self._series.send()
-        self._histograms.draw(step=step, time=time)
+        for track in self._tracks:
+            track.finish()
         if self._crowded and len(self._trails):
             log_translucent(
                 self._file,
@@ -129,7 +143,7 @@ class Recording:
             self._say(f"finished at step {step}", "INFO", self._last)
         self._write_page(self._page.text(self._last, status=status, results=self._results))
         layout = self._layout(self._last)
-        self._draw_wall(layout.scenery)
+        self._draw_wall(layout.space.scenery)
         self._file.stream.send_blueprint(layout.blueprint(), make_active=False)
         self._file.close()
 
@@ -143,32 +157,56 @@ class Recording:
         self._file = file = RecordingFile(self._path, recording_id=self._id, blueprint=layout.blueprint())
         file.describe(self._page.name, self._provenance)
         log_world(file, self._field)
-        self._draw_wall(layout.scenery)
-        self._swimmer_track = SwimmerTrack(
-            file,
-            swimmers=self._swimmers,
-            trails=self._trails,
-            box=self._field.box,
-            radius=layout.scenery.drawn_radius(self._radius),
-        )
-        self._series = SeriesTrack(file)
-        n_frames = self._n_steps // self.schedule.period + 1
-        self._histograms = HistogramTrack(file, time_step=self._time_step, n_frames=n_frames)
+        self._draw_wall(layout.space.scenery)
+        self._tracks = self._make_tracks(file, radius=layout.space.scenery.drawn_radius(self._radius))
         self._write_page(self._page.text(frame, status="*Cut short: the run was under way when this was written.*"))
         self._say(f"started: {len(frame.state)} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
         file.flush()
+
+    def _make_tracks(self, file: RecordingFile, *, radius: float) -> list[Track]:
+        n_frames = self._n_steps // self.schedule.period + 1
+        swimmers = SwimmerTrack(
+            file, swimmers=self._swimmers, trails=self._trails, followed=self._followed, box=self._field.box,
+            radius=radius,
+        )  # fmt: skip
+        tracks: list[Track] = [
+            swimmers,
+            SeriesTrack(file),
+            DistributionTrack(file, time_step=self._time_step, n_frames=n_frames),
+        ]
+        if self._followed is not None:
+            tracks.append(FollowedTrack(file, self._field, self._followed))
+        if self._has_hops:
+            duration = self._n_steps * self._time_step
+            tracks.append(HopTrack(file, self._field, n_frames=n_frames, duration=duration))
+        return tracks
+
+    @property
+    def _followed(self) -> int | None:
+        """The first swimmer with a trail, so that nothing is known of it beforehand; none where nothing is near."""
+        return int(self._trails[0]) if len(self._trails) and len(self._field.centers) else None
+
+    @property
+    def _has_hops(self) -> bool:
+        n_colloids = len(self._field.centers)
+        return n_colloids > 1 or (n_colloids == 1 and self._field.periodic)  # to its own image
 
     def _layout(self, frame: Frame) -> Layout:
         # around spheres, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
         bounded = np.any(np.isfinite(self._field.radii))
-        return Layout(
+        space = Space(
             scenery=Scenery.of(self._field, start if bounded else frame.position[self._swimmers]),
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
+            crowded=self._crowded,
+        )
+        return Layout(
+            space,
             has_colloids=len(self._field.centers) > 0,
             has_trails=len(self._trails) > 0,
-            crowded=self._crowded,
+            followed=self._followed,
+            has_hops=self._has_hops,
         )
 
     def _draw_wall(self, scenery: Scenery) -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
+from porous_swim.analysis.survival import survival_curve
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Frame
 from porous_swim.observers.histogram import GrowingHistogram
-from porous_swim.observers.palette import HOP_COLOR, MSD_COLOR, RETURN_COLOR, STATE_COLORS
-from porous_swim.observers.stream import RecordingFile
+from porous_swim.observers.palette import HOP_COLOR, MSD_COLOR, RETURN_COLOR, STATE_COLORS, SURVIVAL_COLOR
+from porous_swim.observers.pictures import Pictures
+from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
 
-_BATCH_ROWS = 256  # a row on its own costs a kilobyte
-_MAX_PICTURES = 100  # of each histogram over a run: it is seen to grow, for some 100 kB
+_MAX_PICTURES = 50  # of each distribution over a run: it is seen to grow; a picture takes 1.5 kB and a quarter of a ms
+_SURVIVAL_BARS = 64
 _WINDING_RESOLUTION = 1.0 / 1024.0  # turns; a power of two, so that whole turns are edges
 
 _LINES = {
@@ -30,7 +32,8 @@ class SeriesTrack:
     def __init__(self, file: RecordingFile) -> None:
         self._file = file
         self._start: np.ndarray | None = None  # (n_swimmers, 3)
-        self._rows: list[tuple[int, float, tuple[float, ...]]] = []
+        self._moments = Moments()
+        self._rows: list[tuple[float, ...]] = []
         for entity, (label, color) in _LINES.items():
             file.log(f"series/{entity}", rr.SeriesLines(colors=[color], names=[label], widths=[2.0]))
 
@@ -49,53 +52,65 @@ class SeriesTrack:
             frame.counts.n_returns / n_swimmers,
             float(squared.mean()) if len(squared) else 0.0,
         )
-        self._rows.append((frame.step, frame.time, values))
-        if len(self._rows) >= _BATCH_ROWS:
-            self.send()
+        self._moments.add(frame)
+        self._rows.append(values)
+        if len(self._rows) >= BATCH_ROWS:
+            self.finish()
 
-    def send(self) -> None:
+    def finish(self) -> None:
         """Send the rows that wait."""
         if not self._rows:
             return
-        steps, times, values = (list(column) for column in zip(*self._rows, strict=True))
-        for entity, line in zip(_LINES, np.array(values).T, strict=True):
-            self._file.send(f"series/{entity}", rr.Scalars.columns(scalars=line.copy()), steps=steps, times=times)
-        self._rows = []
+        for entity, line in zip(_LINES, np.array(self._rows).T, strict=True):
+            self._file.send(f"series/{entity}", rr.Scalars.columns(scalars=line.copy()), self._moments)
+        self._moments, self._rows = Moments(), []
         self._file.flush()
 
 
-class HistogramTrack:
-    """Residence time, winding and hop time of all that ended so far."""
+class DistributionTrack(Pictures):
+    """Residence time, winding and hop time of all that ended so far; survival, which takes in what is under way."""
 
     def __init__(self, file: RecordingFile, *, time_step: float, n_frames: int) -> None:
+        super().__init__(n_frames=n_frames, most=_MAX_PICTURES)
         self._file = file
-        self._every = max(1, n_frames // _MAX_PICTURES)
-        self._n_seen = 0
-        self.histograms = {
+        self._ended: list[np.ndarray] = []  # residence times
+        self._under_way = np.zeros(0)
+        self._histograms = {
             "residence": GrowingHistogram(resolution=time_step, discrete=True),
             "winding": GrowingHistogram(resolution=_WINDING_RESOLUTION, discrete=False),
             "hop_time": GrowingHistogram(resolution=time_step, discrete=True),
         }
 
-    def observe(self, frame: Frame) -> None:
-        """Count what ended since the frame before; now and then draw."""
-        for name, histogram in self.histograms.items():
+    def count(self, frame: Frame) -> None:
+        """Count what ended since the frame before."""
+        for name, histogram in self._histograms.items():
             histogram.add(getattr(frame, name))
-        if self._n_seen % self._every == 0:
-            self.draw(step=frame.step, time=frame.time)
-        self._n_seen += 1
+        self._ended.append(frame.residence)
+        self._under_way = frame.under_way
 
     def draw(self, *, step: int, time: float) -> None:
-        """Log the histograms as they stand."""
+        """Log the distributions as they stand."""
         colors = {"residence": STATE_COLORS[CONTACT], "winding": STATE_COLORS[BOUND], "hop_time": HOP_COLOR}
-        for name, histogram in self.histograms.items():
-            if not len(histogram.counts):
-                continue
-            edges = histogram.edges
-            bars = rr.BarChart(
-                histogram.counts.copy(),
-                abscissa=0.5 * (edges[1:] + edges[:-1]),
-                widths=np.diff(edges).astype(np.float32),
-                color=colors[name],
-            )
-            self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
+        for name, histogram in self._histograms.items():
+            if len(histogram.counts):
+                edges = histogram.edges
+                middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+                bars = _bars(histogram.counts.copy(), middle=middle, width=width, color=colors[name])
+                self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
+        self._draw_survival(step=step, time=time)
+
+    def _draw_survival(self, *, step: int, time: float) -> None:
+        self._ended = [np.concatenate(self._ended)]
+        length = np.concatenate([*self._ended, self._under_way])
+        longest = float(length.max(initial=0.0))
+        if longest == 0.0:
+            return
+        curve = survival_curve(length, ended=np.arange(len(length)) < len(self._ended[0]))
+        edges = np.linspace(0.0, longest, _SURVIVAL_BARS + 1)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        bars = _bars(curve.at(middle), middle=middle, width=np.diff(edges), color=SURVIVAL_COLOR)
+        self._file.log_at("histograms/survival", bars, step=step, time=time)
+
+
+def _bars(values: np.ndarray, *, middle: np.ndarray, width: np.ndarray, color: tuple[int, int, int]) -> rr.BarChart:
+    return rr.BarChart(values, abscissa=middle, widths=width.astype(np.float32), color=color)

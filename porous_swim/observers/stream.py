@@ -17,11 +17,30 @@ import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from porous_swim.errors import RunError
+from porous_swim.observers.base import Frame
 
 APPLICATION = "porous_swim"
 # a flush of a few MB on a slow disk; without a limit it may wait for ever for a writer that met a full disk
 _FLUSH_SECONDS = 30.0
 STEP, TIME = "step", "sim_time"  # the two timelines: a whole number of steps, and a/U
+BATCH_ROWS = 256  # of a series: a row on its own costs a kilobyte
+
+
+class Moments:
+    """When the rows of a batch were seen."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+        self.times: list[float] = []
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.steps)
+
+    def add(self, frame: Frame) -> None:
+        """One more row, at `frame`."""
+        self.steps.append(frame.step)
+        self.times.append(frame.time)
 
 
 class RecordingFile:
@@ -56,16 +75,16 @@ class RecordingFile:
         """Log what holds at all times."""
         self.stream.log(entity, *archetypes, static=True)
 
-    def log_at(self, entity: str, archetype: rr.AsComponents, *, step: int, time: float) -> None:
+    def log_at(self, entity: str, *archetypes: rr.AsComponents, step: int, time: float) -> None:
         """Log one thing at one moment. Costs about 1 kB of file: for rare things."""
         self.stream.set_time(STEP, sequence=step)
         self.stream.set_time(TIME, duration=time)
-        self.stream.log(entity, archetype)
+        self.stream.log(entity, *archetypes)
         self.stream.reset_time()
 
-    def send(self, entity: str, columns: rr.ComponentColumnList, *, steps: list[int], times: list[float]) -> None:
-        """Send one row per time. The SDK keeps references: hand over arrays that nothing will change."""
-        index = [rr.TimeColumn(STEP, sequence=steps), rr.TimeColumn(TIME, duration=times)]
+    def send(self, entity: str, columns: rr.ComponentColumnList, moments: Moments) -> None:
+        """Send one row per moment. The SDK keeps references: hand over arrays that nothing will change."""
+        index = [rr.TimeColumn(STEP, sequence=moments.steps), rr.TimeColumn(TIME, duration=moments.times)]
         self.stream.send_columns(entity, index, columns)
 
     def flush(self) -> None:

@@ -1,0 +1,45 @@
+"""The swimmer that a recording follows: its height above the nearest colloid and its pitch there, over time."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from porous_swim.observers.base import Frame
+from porous_swim.observers.palette import HEIGHT_COLOR, PITCH_COLOR
+from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
+from porous_swim.obstacles.field import ObstacleField
+
+
+class FollowedTrack:
+    """Height of the centre above the surface, a, and pitch, rad, of one `swimmer`; as the trajectory has them."""
+
+    def __init__(self, file: RecordingFile, field: ObstacleField, swimmer: int) -> None:
+        self._file, self._field, self._swimmer = file, field, swimmer
+        self._moments = Moments()
+        self._heights: list[float] = []
+        self._pitches: list[float] = []
+        for name, color in (("height", HEIGHT_COLOR), ("pitch", PITCH_COLOR)):
+            line = rr.SeriesLines(colors=[color], names=[f"{name} of swimmer {swimmer}"], widths=[1.5])
+            file.log(f"followed/{name}", line)
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame; send the batch when it is full."""
+        one = [self._swimmer]
+        colloid = frame.colloid[one]
+        center = self._field.centers[colloid] + frame.image[one] * self._field.box
+        height, sine = self._field.stance(frame.position[one] - center, frame.director[one], colloid)
+        self._moments.add(frame)
+        self._heights.append(float(height[0]))
+        self._pitches.append(float(np.arcsin(np.clip(sine[0], -1.0, 1.0))))
+        if len(self._moments) >= BATCH_ROWS:
+            self.finish()
+
+    def finish(self) -> None:
+        """Send the rows that wait."""
+        if not len(self._moments):
+            return
+        for name, values in (("height", self._heights), ("pitch", self._pitches)):
+            self._file.send(f"followed/{name}", rr.Scalars.columns(scalars=values), self._moments)
+        self._moments, self._heights, self._pitches = Moments(), [], []
+        self._file.flush()

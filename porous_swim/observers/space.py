@@ -1,0 +1,75 @@
+"""The views of space in a recording: which entities each shows, and from where. Lengths in a."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun.blueprint as rrb
+
+from porous_swim.observers.palette import GROUND
+from porous_swim.observers.stream import TIME
+from porous_swim.observers.view import Scenery
+
+_TRAIL_SHARE = 0.35  # a trail's length over the box: a few colloids long, short of a tangle
+_LONE_TRAIL = 2.0  # likewise, of a swimmer on its own
+
+
+@dataclass(frozen=True)
+class Space:
+    """The scenery of a run and what is in it."""
+
+    scenery: Scenery
+    duration: float  # a/U
+    periodic: bool
+    crowded: bool  # whether colloids are too many to see through: beside trails show only those visited
+
+    def recorded(self) -> rrb.Spatial3DView:
+        """All recorded swimmers among all colloids."""
+        shown = ["colloids", "swimmers", "tracked/directors", "tracked/trails"]
+        return self._view("All recorded swimmers", shown, trails="tracked", length=_TRAIL_SHARE)
+
+    def tracked(self) -> rrb.Spatial3DView:
+        """The swimmers that leave a trail."""
+        return self._view("Tracked swimmers", [self._beside, "tracked/**"], trails="tracked", length=_TRAIL_SHARE)
+
+    def followed(self, swimmer: int) -> rrb.Spatial3DView:
+        """One swimmer and where it came from."""
+        shown = [self._beside, "followed/**"]
+        return self._view(f"Swimmer {swimmer}", shown, trails="followed", length=_LONE_TRAIL)
+
+    def hops(self) -> rrb.Spatial3DView:
+        """The network of hops over the colloids."""
+        return self._view("Hop network", ["colloids", "hops"])
+
+    @property
+    def _beside(self) -> str:
+        return "visited" if self.crowded else "colloids"
+
+    def _view(
+        self, name: str, shown: Sequence[str], *, trails: str | None = None, length: float = 0.0
+    ) -> rrb.Spatial3DView:
+        position, up = self.scenery.eye()
+        eye = rrb.EyeControls3D(
+            kind=rrb.Eye3DKind.Orbital, position=position, look_target=self.scenery.center, eye_up=up
+        )
+        return rrb.Spatial3DView(
+            name=name,
+            origin="/world",
+            contents=["$origin", "$origin/domain", *(f"$origin/{entity}" for entity in shown)],
+            background=GROUND,
+            eye_controls=eye,
+            line_grid=rrb.LineGrid3D(visible=False),
+            overrides={} if trails is None else {f"/world/{trails}/trails": [self._trail_time(length)]},
+        )
+
+    def _trail_time(self, share: float) -> rrb.VisibleTimeRanges:
+        # at speed 1 a length is a time; where nothing repeats paths do not overlap, so show all of them
+        length = share * self.scenery.size if self.periodic else np.inf
+        start = (
+            rrb.TimeRangeBoundary.cursor_relative(seconds=-length)
+            if length < self.duration
+            else rrb.TimeRangeBoundary.infinite()
+        )
+        return rrb.VisibleTimeRanges(timeline=TIME, start=start, end=rrb.TimeRangeBoundary.cursor_relative(seconds=0))

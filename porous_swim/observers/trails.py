@@ -1,0 +1,65 @@
+"""Swimmers that leave a trail in a recording: the trail, the body at its end, the director."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from porous_swim.observers.base import Frame
+from porous_swim.observers.palette import DIRECTOR
+from porous_swim.observers.stream import Moments, RecordingFile
+
+
+class TrailTrack:
+    """The `swimmers` (ids as in the frames) below `entity`, each drawn with semi-minor axis `radius`, a.
+
+    Positions are wrapped into the periodic `box` (3,); rows wait until `send`.
+    """
+
+    def __init__(
+        self, file: RecordingFile, entity: str, *, swimmers: np.ndarray, box: np.ndarray, radius: float
+    ) -> None:
+        self._file, self._entity, self._swimmers, self._box, self._radius = file, entity, swimmers, box, radius
+        self._rows: dict[str, list[np.ndarray]] = {}
+        self._last: np.ndarray | None = None  # (n, 3) unwrapped, of the frame before
+        file.log(f"{entity}/swimmers", rr.Points3D.from_fields(radii=[radius], show_labels=False))
+        arrows = rr.Arrows3D.from_fields(radii=[0.25 * radius], colors=[DIRECTOR], show_labels=False)
+        file.log(f"{entity}/directors", arrows)
+        file.log(f"{entity}/trails", rr.LineStrips3D.from_fields(radii=[-1.25], show_labels=False))
+
+    def observe(self, frame: Frame) -> None:
+        """Take in one frame."""
+        position, director = frame.position[self._swimmers], frame.director[self._swimmers]
+        end = wrapped(position, self._box)
+        before = position if self._last is None else self._last
+        # drawn whole in the image where it ends: a trail breaks at the box and never crosses it
+        start = (end - (position - before)).astype(np.float32)
+        self._last = position.copy()
+        # an arrow is the body of a slender swimmer and sticks out of a round one
+        tail = (1.0 - min(self._radius, 1.0)) * director
+        rows = {
+            "positions": end,
+            "states": frame.state[self._swimmers].astype(np.uint16),
+            "origins": (end - tail).astype(np.float32),
+            "vectors": (tail + (1.0 + 1.5 * self._radius) * director).astype(np.float32),
+            "segments": np.stack([start, end], axis=1),
+        }
+        for name, values in rows.items():
+            self._rows.setdefault(name, []).append(values)
+
+    def send(self, moments: Moments) -> None:
+        """Send the rows that wait, one for each of `moments`."""
+        rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}  # concatenated, hence copies
+        points = rr.Points3D.columns(positions=rows["positions"], class_ids=rows["states"])
+        arrows = rr.Arrows3D.columns(vectors=rows["vectors"], origins=rows["origins"])
+        strips = rr.LineStrips3D.columns(strips=list(rows["segments"]), class_ids=rows["states"])
+        lengths = [len(self._swimmers)] * len(moments)
+        for name, columns in (("swimmers", points), ("directors", arrows), ("trails", strips)):
+            self._file.send(f"{self._entity}/{name}", columns.partition(lengths), moments)
+        self._rows = {}
+
+
+def wrapped(position: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Positions (n, 3) in the periodic `box` (3,), in single precision."""
+    edge = np.where(box > 0.0, box, np.inf)
+    return np.asarray(position - np.floor(position / edge) * np.where(box > 0.0, edge, 0.0), np.float32)
