@@ -102,7 +102,7 @@ class Engine:
         columns = log_columns(field.dimensions)
         shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
         self._log = Log(*(on_device(np.zeros((log_rows, n), t)) for n, t in shapes))
-        self._log_rows, self._logged = log_rows, 0
+        self._log_rows = log_rows
         self._records = Records(field, numbers.time_step, self.n_swimmers)
         self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
 
@@ -125,7 +125,7 @@ class Engine:
 
     def counts(self) -> tuple[int, int, int, int]:
         """Captures, escapes, hops and returns so far, over all swimmers."""
-        captures, escapes, hops, returns = self._swimmers.total.to_numpy()[: Total.LOGGED].tolist()
+        captures, escapes, hops, returns = self._total[: Total.LOGGED].tolist()
         return captures, escapes, hops, returns
 
     def snapshot(self) -> Snapshot:
@@ -186,11 +186,11 @@ class Engine:
                 self._stride,
                 self._chunk,
             )
-            total = self._swimmers.total.to_numpy()
-            finished, fresh, self._logged = int(total[Total.FINISHED]), 0, int(total[Total.LOGGED])
+            self._total = total = self._swimmers.total.to_numpy()
+            finished, fresh = int(total[Total.FINISHED]), 0
             if total[Total.HALTED] > 0:
                 raise self._complaint()
-            full = self._logged >= self._log_rows // 2
+            full = total[Total.LOGGED] >= self._log_rows // 2
             idle = 0 if full or finished > before else idle + 1
             if idle >= PATIENCE:
                 raise DeviceError(
@@ -203,12 +203,11 @@ class Engine:
 
     def _drain(self) -> None:
         """Take the rows of the log to the host."""
-        n = min(self._logged, self._log_rows)
+        n = min(int(self._total[Total.LOGGED]), self._log_rows)
         if n > 0:
             self._news.append(self._records.add(*(on_host(array, n) for array in self._log)))
-            total = self._swimmers.total.to_numpy()
-            total[Total.LOGGED] = self._logged = 0
-            self._swimmers.total.from_numpy(total)
+            self._total[Total.LOGGED] = 0
+            self._swimmers.total.from_numpy(self._total)
 
     def _host(self) -> HostState:
         return HostState(self._field, *(on_host(array) for array in self._swimmers[:3]))

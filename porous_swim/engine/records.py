@@ -68,9 +68,9 @@ class Records:
         return News(residence, real[:, self._columns.winding].astype(float), *self._hops(who, host, start, end))
 
     def under_way(self, who: np.ndarray, host: np.ndarray, start: np.ndarray) -> News:
-        """Note encounters under way of swimmers `who` (n,) with `host` (n, 4) since `start` (n,), steps: the hops there."""
-        nothing = np.zeros(0)
-        return News(nothing, nothing, *self._hops(who, host, start, np.full(len(who), np.nan)))
+        """Note encounters under way: swimmers `who` (n,) with `host` (n, 4) since `start` (n,), in steps."""
+        new, nothing = start > self._last_start[who], np.zeros(0)
+        return News(nothing, nothing, *self._hops(who[new], host[new], start[new], np.full(np.sum(new), np.nan)))
 
     def _clocked(self, real: np.ndarray, long: np.ndarray, which: LogLong) -> np.ndarray:
         """Times in steps, as real numbers."""

@@ -8,7 +8,11 @@ import rerun as rr
 from porous_swim.observers.base import Frame
 from porous_swim.observers.palette import HEIGHT_COLOR, PITCH_COLOR
 from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
+from porous_swim.observers.trails import wrapped
+from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
+
+_MARGIN = 2.0  # a, around the path beside the colloid there
 
 
 class FollowedTrack:
@@ -19,6 +23,7 @@ class FollowedTrack:
         self._moments = Moments()
         self._heights: list[float] = []
         self._pitches: list[float] = []
+        self._corners = np.zeros((0, 3))  # of a box around where it was, and the colloids there
         for name, color in (("height", HEIGHT_COLOR), ("pitch", PITCH_COLOR)):
             line = rr.SeriesLines(colors=[color], names=[f"{name} of swimmer {swimmer}"], widths=[1.5])
             file.log(f"followed/{name}", line)
@@ -29,11 +34,21 @@ class FollowedTrack:
         colloid = frame.colloid[one]
         center = self._field.centers[colloid] + frame.image[one] * self._field.box
         height, sine = self._field.stance(frame.position[one] - center, frame.director[one], colloid)
+        shown = wrapped(frame.position[one], self._field.box)
+        radius = self._field.radii[colloid]
+        room = np.where(np.isfinite(radius), radius, 0.0) + _MARGIN
+        corners = np.concatenate([self._corners, shown - room, shown + room])
+        self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
         self._moments.add(frame)
         self._heights.append(float(height[0]))
         self._pitches.append(float(np.arcsin(np.clip(sine[0], -1.0, 1.0))))
         if len(self._moments) >= BATCH_ROWS:
             self.finish()
+
+    def scenery(self) -> Scenery:
+        """The part of the box where it was so far."""
+        lower, upper = self._corners
+        return Scenery(lower, upper, self._field.dimensions)
 
     def finish(self) -> None:
         """Send the rows that wait."""

@@ -9,6 +9,8 @@ import rerun.blueprint as rrb
 
 from porous_swim.observers.lanes import lane_of
 
+_NONE = rrb.PlotLegend(visible=False)
+_RISING, _LEVEL = rrb.PlotLegend(rrb.Corner2D.LeftTop), rrb.PlotLegend(rrb.Corner2D.RightTop)  # clear of the lines
 _TITLES = {
     "residence": "Residence time (a/U)",
     "winding": "Winding (turns)",
@@ -25,24 +27,24 @@ class Plots:
 
     def fractions(self) -> rrb.TimeSeriesView:
         """Shares of the swimmers in each state."""
-        return self._series("Fractions", "/series/fraction", axis_y=rrb.ScalarAxis(range=(0.0, 1.05)))
+        return self._series("Fractions", "/series/fraction", axis_y=rrb.ScalarAxis(range=(0.0, 1.05)), legend=_LEVEL)
 
     def events(self) -> rrb.TimeSeriesView:
         """Hops and returns per swimmer."""
-        return self._series("Hops and returns", "/series/events")
+        return self._series("Hops and returns", "/series/events", legend=_RISING)
 
     def msd(self) -> rrb.TimeSeriesView:
         """Mean squared displacement."""
-        return self._series("MSD (a²)", "/series/msd")
+        return self._series("MSD (a²)", "/series/msd", legend=_RISING)
 
     def height(self) -> rrb.TimeSeriesView:
         """Height of the followed swimmer."""
-        return self._series("Height above the nearest colloid (a)", "/followed/height", legend=False)
+        return self._series("Height above the nearest colloid (a)", "/followed/height")
 
     def pitch(self) -> rrb.TimeSeriesView:
         """Pitch of the followed swimmer."""
         axis = rrb.ScalarAxis(range=(-1.6, 1.6))
-        return self._series("Pitch (rad), above 0 away from the colloid", "/followed/pitch", axis_y=axis, legend=False)
+        return self._series("Pitch (rad), above 0 away from the colloid", "/followed/pitch", axis_y=axis)
 
     def states(self) -> rrb.StateTimelineView:
         """Lanes of all swimmers that have one."""
@@ -59,12 +61,11 @@ class Plots:
         return rrb.TimeAxis(view_range=whole)
 
     def _series(
-        self, name: str, origin: str, *, axis_y: rrb.ScalarAxis | None = None, legend: bool = True
+        self, name: str, origin: str, *, axis_y: rrb.ScalarAxis | None = None, legend: rrb.PlotLegend = _NONE
     ) -> rrb.TimeSeriesView:
-        shown = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=legend)
-        return rrb.TimeSeriesView(name=name, origin=origin, axis_x=self._axis, axis_y=axis_y, plot_legend=shown)
+        return rrb.TimeSeriesView(name=name, origin=origin, axis_x=self._axis, axis_y=axis_y, plot_legend=legend)
 
 
 def bars(name: str) -> rrb.BarChartView:
     """The distribution of that name."""
-    return rrb.BarChartView(name=_TITLES[name], origin=f"/histograms/{name}", plot_legend=rrb.PlotLegend(visible=False))
+    return rrb.BarChartView(name=_TITLES[name], origin=f"/histograms/{name}", plot_legend=_NONE)

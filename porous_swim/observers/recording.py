@@ -98,6 +98,7 @@ class Recording:
         self._start: np.ndarray | None = None  # (n_recorded, 3)
         self._results: str | None = None
         self._tracks: list[Track] = []
+        self._follower: FollowedTrack | None = None
         self._visited: set[int] = set()
         self._failed = False
         self._finished = False
@@ -175,7 +176,8 @@ class Recording:
             DistributionTrack(file, time_step=self._time_step, n_frames=n_frames),
         ]
         if self._followed is not None:
-            tracks.append(FollowedTrack(file, self._field, self._followed))
+            self._follower = FollowedTrack(file, self._field, self._followed)
+            tracks.append(self._follower)
         if self._has_hops:
             duration = self._n_steps * self._time_step
             tracks.append(HopTrack(file, self._field, n_frames=n_frames, duration=duration))
@@ -195,8 +197,11 @@ class Recording:
         # around spheres, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
         bounded = np.any(np.isfinite(self._field.radii))
+        scenery = Scenery.of(self._field, start if bounded else frame.position[self._swimmers])
         space = Space(
-            scenery=Scenery.of(self._field, start if bounded else frame.position[self._swimmers]),
+            scenery=scenery,
+            # in open space a lone swimmer may go far
+            close=self._follower.scenery() if self._follower is not None and self._field.periodic else scenery,
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
             crowded=self._crowded,

@@ -21,6 +21,7 @@ class Space:
     """The scenery of a run and what is in it."""
 
     scenery: Scenery
+    close: Scenery  # around the swimmer that is followed
     duration: float  # a/U
     periodic: bool
     crowded: bool  # whether colloids are too many to see through: beside trails show only those visited
@@ -37,7 +38,7 @@ class Space:
     def followed(self, swimmer: int) -> rrb.Spatial3DView:
         """One swimmer and where it came from."""
         shown = [self._beside, "followed/**"]
-        return self._view(f"Swimmer {swimmer}", shown, trails="followed", length=_LONE_TRAIL)
+        return self._view(f"Swimmer {swimmer}", shown, trails="followed", length=_LONE_TRAIL, scenery=self.close)
 
     def hops(self) -> rrb.Spatial3DView:
         """The network of hops over the colloids."""
@@ -48,12 +49,12 @@ class Space:
         return "visited" if self.crowded else "colloids"
 
     def _view(
-        self, name: str, shown: Sequence[str], *, trails: str | None = None, length: float = 0.0
-    ) -> rrb.Spatial3DView:
-        position, up = self.scenery.eye()
-        eye = rrb.EyeControls3D(
-            kind=rrb.Eye3DKind.Orbital, position=position, look_target=self.scenery.center, eye_up=up
-        )
+        self, name: str, shown: Sequence[str], *, trails: str | None = None, length: float = 0.0,
+        scenery: Scenery | None = None,
+    ) -> rrb.Spatial3DView:  # fmt: skip
+        scenery = scenery or self.scenery
+        position, up = scenery.eye()
+        eye = rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=scenery.center, eye_up=up)
         return rrb.Spatial3DView(
             name=name,
             origin="/world",

@@ -93,9 +93,7 @@ class DistributionTrack(Pictures):
         colors = {"residence": STATE_COLORS[CONTACT], "winding": STATE_COLORS[BOUND], "hop_time": HOP_COLOR}
         for name, histogram in self._histograms.items():
             if len(histogram.counts):
-                edges = histogram.edges
-                middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-                bars = _bars(histogram.counts.copy(), middle=middle, width=width, color=colors[name])
+                bars = _bars(histogram.counts.copy(), edges=histogram.edges, color=colors[name])
                 self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
         self._draw_survival(step=step, time=time)
 
@@ -107,10 +105,10 @@ class DistributionTrack(Pictures):
             return
         curve = survival_curve(length, ended=np.arange(len(length)) < len(self._ended[0]))
         edges = np.linspace(0.0, longest, _SURVIVAL_BARS + 1)
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        bars = _bars(curve.at(middle), middle=middle, width=np.diff(edges), color=SURVIVAL_COLOR)
+        bars = _bars(curve.at(edges[:-1]), edges=edges, color=SURVIVAL_COLOR)
         self._file.log_at("histograms/survival", bars, step=step, time=time)
 
 
-def _bars(values: np.ndarray, *, middle: np.ndarray, width: np.ndarray, color: tuple[int, int, int]) -> rr.BarChart:
-    return rr.BarChart(values, abscissa=middle, widths=width.astype(np.float32), color=color)
+def _bars(values: np.ndarray, *, edges: np.ndarray, color: tuple[int, int, int]) -> rr.BarChart:
+    # the viewer (0.41) draws a bar from its abscissa on, not around it
+    return rr.BarChart(values, abscissa=edges[:-1], widths=np.diff(edges).astype(np.float32), color=color)
