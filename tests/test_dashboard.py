@@ -183,20 +183,39 @@ PAGES = ["Medium and swimmers", "One swimmer", "Hop network", "Distributions", "
         (hexagonal_crystal(), [2, 7], PAGES),
         (hexagonal_crystal(), [], [PAGES[0], *PAGES[2:]]),
         (cubic_lattice(cells=2), [2], PAGES),
-        (single_colloid(), [2], [*PAGES[:2], *PAGES[3:]]),
+        (single_colloid(radius=5.0), [2], [*PAGES[:2], *PAGES[3:]]),
         (ObstacleField(np.full((1, 3), 8.0), np.array([4.0]), np.full(3, 16.0), 3), [2], PAGES),
-        (WallField.through(np.zeros(3), np.array([0.0, 0.0, 1.0]), 3), [2], [*PAGES[:2], *PAGES[3:]]),
+        (WallField.through(np.zeros(3), np.array([0.0, 0.0, 1.0]), 3), [2], [*PAGES[:2], PAGES[4]]),
         (free_space(), [2], [PAGES[0], PAGES[4]]),
     ],
 )
 def test_pages_without_content_are_left_out(tmp_path: Path, field: ObstacleField, trails: list[int], pages: list[str]):
     walked = free_space() if isinstance(field, WallField) else field
     observer = recording(tmp_path / "r.rrd", field, trails=np.array(trails, dtype=int))
-    for frame in walk(walked, n_swimmers=30, n_frames=3):
+    for frame in walk(walked, n_swimmers=30, n_frames=60, period=PERIOD):
         observer.observe(frame)
     observer.finish(interrupted=False)
-    reader = RrdReader(tmp_path / "r.rrd")
-    batches = [chunk.to_record_batch() for chunk in reader.stream(store=reader.blueprints()[-1])]
-    name = "ContainerBlueprint:display_name"
-    named = [row[0] for batch in batches if name in batch.schema.names for row in batch.column(name).to_pylist()]
-    assert sorted(named) == sorted(pages)
+    assert sorted(pages_of(tmp_path / "r.rrd")) == sorted(pages)
+
+
+def pages_of(path: Path) -> list[str]:
+    """Names of the pages of the layout that was sent last."""
+    reader, found = RrdReader(path), []
+    for layout in reader.blueprints():  # in no order, but the ids of rows begin with the time
+        batches = [chunk.to_record_batch() for chunk in reader.stream(store=layout)]
+        sent = max(max(batch.column("rerun.controls.RowId").to_pylist()) for batch in batches)
+        name = "ContainerBlueprint:display_name"
+        named = [row[0] for batch in batches if name in batch.schema.names for row in batch.column(name).to_pylist()]
+        found.append((sent, named))
+    return max(found)[1]
+
+
+def test_a_swimmer_in_space_is_shown_with_the_colloids_that_it_was_near(tmp_path: Path):
+    field, near = cubic_lattice(cells=2), set()
+    observer = recording(tmp_path / "r.rrd", field)
+    for frame in walk(field, n_swimmers=30, n_frames=20, period=PERIOD):
+        observer.observe(frame)
+        near.add(int(frame.colloid[2]))  # the first of the trails
+    observer.finish(interrupted=False)
+    (centers,) = column(tmp_path / "r.rrd", "/world/followed/colloids", "Ellipsoids3D:centers", static=True)
+    assert np.array_equal(centers, field.centers[sorted(near)].astype(np.float32))

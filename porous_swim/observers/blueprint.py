@@ -21,16 +21,16 @@ class Layout:
     has_colloids: bool
     has_trails: bool
     followed: int | None  # the swimmer that has a page
-    has_hops: bool  # whether there is another colloid to hop to
+    distributions: tuple[str, ...]  # that have something to show
 
     def blueprint(self) -> rrb.Blueprint:
         """The layout as Rerun takes it."""
         pages: list[rrb.Container] = [self._medium()]
         if self.followed is not None:
             pages.append(self._one(self.followed))
-        if self.has_hops:
+        if "hop_time" in self.distributions:
             pages.append(self._network())
-        if self.has_colloids:
+        if self.distributions:
             pages.append(self._distributions())
         pages.append(rrb.Horizontal(_summary(), _log(), column_shares=[3, 2], name="Summary"))
         return rrb.Blueprint(
@@ -55,10 +55,10 @@ class Layout:
         views = [self.space.recorded(), *([self.space.tracked()] if self.has_trails else [])]
         space = rrb.Tabs(*views, active_tab=int(self.space.crowded)) if len(views) > 1 else views[0]
         panels: list[rrb.Container | rrb.View] = [self._series()]
-        if self.has_colloids:
-            panels.append(rrb.Tabs(*(bars(name) for name in ("residence", "winding", "hop_time")), active_tab=0))
+        if self.distributions:
+            panels.append(rrb.Tabs(*map(bars, self.distributions), active_tab=0))
         panels.append(_summary())
-        shares = [3, 3, 4] if self.has_colloids else [1, 1]  # the text needs most room
+        shares = [3, 3, 4] if self.distributions else [1, 1]  # the text needs most room
         return _page("Medium and swimmers", space, rrb.Vertical(*panels, row_shares=shares))
 
     def _series(self) -> rrb.Tabs:
@@ -81,11 +81,8 @@ class Layout:
         return _page("Hop network", self.space.hops(), panels)
 
     def _distributions(self) -> rrb.Grid:
-        return rrb.Grid(
-            *(bars(name) for name in ("residence", "survival", "winding", "hop_time")),
-            grid_columns=2,
-            name="Distributions",
-        )
+        columns = min(2, len(self.distributions))
+        return rrb.Grid(*map(bars, self.distributions), grid_columns=columns, name="Distributions")
 
 
 def _page(name: str, space: rrb.Container | rrb.View, panels: rrb.Vertical) -> rrb.Horizontal:

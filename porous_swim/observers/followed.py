@@ -6,6 +6,7 @@ import numpy as np
 import rerun as rr
 
 from porous_swim.observers.base import Frame
+from porous_swim.observers.colloids import log_translucent
 from porous_swim.observers.palette import HEIGHT_COLOR, PITCH_COLOR
 from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
 from porous_swim.observers.trails import wrapped
@@ -23,6 +24,7 @@ class FollowedTrack:
         self._moments = Moments()
         self._heights: list[float] = []
         self._pitches: list[float] = []
+        self._visited: set[int] = set()
         self._corners = np.zeros((0, 3))  # of a box around where it was, and the colloids there
         for name, color in (("height", HEIGHT_COLOR), ("pitch", PITCH_COLOR)):
             line = rr.SeriesLines(colors=[color], names=[f"{name} of swimmer {swimmer}"], widths=[1.5])
@@ -39,11 +41,12 @@ class FollowedTrack:
         room = np.where(np.isfinite(radius), radius, 0.0) + _MARGIN
         corners = np.concatenate([self._corners, shown - room, shown + room])
         self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
+        self._visited.add(int(colloid[0]))
         self._moments.add(frame)
         self._heights.append(float(height[0]))
         self._pitches.append(float(np.arcsin(np.clip(sine[0], -1.0, 1.0))))
         if len(self._moments) >= BATCH_ROWS:
-            self.finish()
+            self._send()
 
     def scenery(self) -> Scenery:
         """The part of the box where it was so far."""
@@ -51,9 +54,13 @@ class FollowedTrack:
         return Scenery(lower, upper, self._field.dimensions)
 
     def finish(self) -> None:
-        """Send the rows that wait."""
-        if not len(self._moments):
-            return
+        """Send the rows that wait; log the colloids that it was near, where all of them would hide it."""
+        if len(self._moments):
+            self._send()
+        if self._field.dimensions == 3 and self._field.surface == "sphere":
+            log_translucent(self._file, "world/followed/colloids", self._field, which=np.array(sorted(self._visited)))
+
+    def _send(self) -> None:
         for name, values in (("height", self._heights), ("pitch", self._pitches)):
             self._file.send(f"followed/{name}", rr.Scalars.columns(scalars=values), self._moments)
         self._moments, self._heights, self._pitches = Moments(), [], []

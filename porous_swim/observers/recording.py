@@ -19,7 +19,7 @@ from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log
 from porous_swim.observers.followed import FollowedTrack
 from porous_swim.observers.network import HopTrack
 from porous_swim.observers.space import Space
-from porous_swim.observers.statistics import DistributionTrack, SeriesTrack
+from porous_swim.observers.statistics import DISTRIBUTIONS, DistributionTrack, SeriesTrack
 from porous_swim.observers.stream import RecordingFile
 from porous_swim.observers.summary_page import SummaryPage
 from porous_swim.observers.swimmers import SwimmerTrack
@@ -143,7 +143,7 @@ class Recording:
             status = f"Finished: {step:,} steps of {self._time_step:g} a/U."
             self._say(f"finished at step {step}", "INFO", self._last)
         self._write_page(self._page.text(self._last, status=status, results=self._results))
-        layout = self._layout(self._last)
+        layout = self._layout(self._last, self._distributions.drawn)
         self._draw_wall(layout.space.scenery)
         self._file.stream.send_blueprint(layout.blueprint(), make_active=False)
         self._file.close()
@@ -154,7 +154,7 @@ class Recording:
 
     def _open(self, frame: Frame) -> None:
         self._start = frame.position[self._swimmers]
-        layout = self._layout(frame)
+        layout = self._layout(frame, self._possible)
         self._file = file = RecordingFile(self._path, recording_id=self._id, blueprint=layout.blueprint())
         file.describe(self._page.name, self._provenance)
         log_world(file, self._field)
@@ -166,6 +166,9 @@ class Recording:
 
     def _make_tracks(self, file: RecordingFile, *, radius: float) -> list[Track]:
         n_frames = self._n_steps // self.schedule.period + 1
+        self._distributions = DistributionTrack(
+            file, names=self._possible, time_step=self._time_step, n_frames=n_frames
+        )
         swimmers = SwimmerTrack(
             file, swimmers=self._swimmers, trails=self._trails, followed=self._followed, box=self._field.box,
             radius=radius,
@@ -173,12 +176,12 @@ class Recording:
         tracks: list[Track] = [
             swimmers,
             SeriesTrack(file),
-            DistributionTrack(file, time_step=self._time_step, n_frames=n_frames),
+            self._distributions,
         ]
         if self._followed is not None:
             self._follower = FollowedTrack(file, self._field, self._followed)
             tracks.append(self._follower)
-        if self._has_hops:
+        if "hop_time" in self._possible:
             duration = self._n_steps * self._time_step
             tracks.append(HopTrack(file, self._field, n_frames=n_frames, duration=duration))
         return tracks
@@ -189,11 +192,17 @@ class Recording:
         return int(self._trails[0]) if len(self._trails) and len(self._field.centers) else None
 
     @property
-    def _has_hops(self) -> bool:
+    def _possible(self) -> tuple[str, ...]:
+        """The distributions that the field allows: nobody winds around a wall, nor hops where all else is far away."""
         n_colloids = len(self._field.centers)
-        return n_colloids > 1 or (n_colloids == 1 and self._field.periodic)  # to its own image
+        missing = set(DISTRIBUTIONS) if n_colloids == 0 else set()
+        if isinstance(self._field, WallField):
+            missing.add("winding")
+        if n_colloids == 1 and not self._field.periodic:  # in a box there is its own image
+            missing.add("hop_time")
+        return tuple(name for name in DISTRIBUTIONS if name not in missing)
 
-    def _layout(self, frame: Frame) -> Layout:
+    def _layout(self, frame: Frame, distributions: tuple[str, ...]) -> Layout:
         # around spheres, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
         bounded = np.any(np.isfinite(self._field.radii))
@@ -204,6 +213,7 @@ class Recording:
             close=self._follower.scenery() if self._follower is not None and self._field.periodic else scenery,
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
+            flat=self._field.dimensions == 2 or isinstance(self._field, WallField),
             crowded=self._crowded,
         )
         return Layout(
@@ -211,7 +221,7 @@ class Recording:
             has_colloids=len(self._field.centers) > 0,
             has_trails=len(self._trails) > 0,
             followed=self._followed,
-            has_hops=self._has_hops,
+            distributions=distributions,
         )
 
     def _draw_wall(self, scenery: Scenery) -> None:

@@ -24,6 +24,7 @@ class Space:
     close: Scenery  # around the swimmer that is followed
     duration: float  # a/U
     periodic: bool
+    flat: bool  # whether no colloid can hide a swimmer: a plane, or a wall
     crowded: bool  # whether colloids are too many to see through: beside trails show only those visited
 
     def recorded(self) -> rrb.Spatial3DView:
@@ -37,7 +38,8 @@ class Space:
 
     def followed(self, swimmer: int) -> rrb.Spatial3DView:
         """One swimmer and where it came from."""
-        shown = [self._beside, "followed/**"]
+        # in a plane nothing hides it; in space only the colloids that it was near are shown, a part of `followed`
+        shown = ["colloids", "followed/**"] if self.flat else ["followed/**"]
         return self._view(f"Swimmer {swimmer}", shown, trails="followed", length=_LONE_TRAIL, scenery=self.close)
 
     def hops(self) -> rrb.Spatial3DView:

@@ -14,6 +14,7 @@ from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
 
 _MAX_PICTURES = 50  # of each distribution over a run: it is seen to grow; a picture takes 1.5 kB and a quarter of a ms
 _SURVIVAL_BARS = 64
+DISTRIBUTIONS = "residence", "survival", "winding", "hop_time"
 _WINDING_RESOLUTION = 1.0 / 1024.0  # turns; a power of two, so that whole turns are edges
 
 _LINES = {
@@ -68,11 +69,15 @@ class SeriesTrack:
 
 
 class DistributionTrack(Pictures):
-    """Residence time, winding and hop time of all that ended so far; survival, which takes in what is under way."""
+    """Residence time, winding and hop time of all that ended so far; survival, which takes in what is under way.
 
-    def __init__(self, file: RecordingFile, *, time_step: float, n_frames: int) -> None:
+    `names` are those to show, of `DISTRIBUTIONS`; `drawn` are those that there was something to show of.
+    """
+
+    def __init__(self, file: RecordingFile, *, names: tuple[str, ...], time_step: float, n_frames: int) -> None:
         super().__init__(n_frames=n_frames, most=_MAX_PICTURES)
-        self._file = file
+        self._file, self._names = file, names
+        self._pictures: set[str] = set()
         self._ended: list[np.ndarray] = []  # residence times
         self._under_way = np.zeros(0)
         self._histograms = {
@@ -80,6 +85,11 @@ class DistributionTrack(Pictures):
             "winding": GrowingHistogram(resolution=_WINDING_RESOLUTION, discrete=False),
             "hop_time": GrowingHistogram(resolution=time_step, discrete=True),
         }
+
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """The names of what was drawn."""
+        return tuple(name for name in self._names if name in self._pictures)
 
     def count(self, frame: Frame) -> None:
         """Count what ended since the frame before."""
@@ -92,9 +102,9 @@ class DistributionTrack(Pictures):
         """Log the distributions as they stand."""
         colors = {"residence": STATE_COLORS[CONTACT], "winding": STATE_COLORS[BOUND], "hop_time": HOP_COLOR}
         for name, histogram in self._histograms.items():
-            if len(histogram.counts):
+            if name in self._names and len(histogram.counts):
                 bars = _bars(histogram.counts.copy(), edges=histogram.edges, color=colors[name])
-                self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
+                self._log(name, bars, step=step, time=time)
         self._draw_survival(step=step, time=time)
 
     def _draw_survival(self, *, step: int, time: float) -> None:
@@ -106,7 +116,11 @@ class DistributionTrack(Pictures):
         curve = survival_curve(length, ended=np.arange(len(length)) < len(self._ended[0]))
         edges = np.linspace(0.0, longest, _SURVIVAL_BARS + 1)
         bars = _bars(curve.at(edges[:-1]), edges=edges, color=SURVIVAL_COLOR)
-        self._file.log_at("histograms/survival", bars, step=step, time=time)
+        self._log("survival", bars, step=step, time=time)
+
+    def _log(self, name: str, bars: rr.BarChart, *, step: int, time: float) -> None:
+        self._pictures.add(name)
+        self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
 
 
 def _bars(values: np.ndarray, *, edges: np.ndarray, color: tuple[int, int, int]) -> rr.BarChart:
