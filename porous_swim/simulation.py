@@ -23,6 +23,7 @@ from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
 from porous_swim.results import Results, RunFolder, TableInfo
 from porous_swim.scene import Scene
+from porous_swim.stopwatch import Stopwatch
 from porous_swim.swarm import Swimmers
 
 LOOK_SECONDS = 0.5  # between looks at the keyboard and at the clock; decides no result
@@ -143,40 +144,49 @@ def run_in(
     make_folder: Callable[[], RunFolder | None], *, scene: Scene, progress: bool, recording: bool = True
 ) -> Results:
     """The same in a folder that is made only when the scene is known to start, so that a mistake costs no old run."""
+    watch = Stopwatch()
     with Interrupts() as interrupts:
-        start = Start.of(scene)
+        with watch.timing("placing"):
+            start = Start.of(scene)
         folder = make_folder()
         if folder is not None:
             _save_scene(scene, folder)
         if progress:
             print(_device_line(scene, start.backend), file=sys.stderr, flush=True)
-        with interrupts.while_compiling():
+        with interrupts.while_compiling(), watch.timing("compiling"):
             simulation = Simulation(scene, start)
         observers = Observers(simulation, folder, progress=progress, recording=recording)
         try:
-            rate = _advance(simulation, observers, interrupts)
-            return observers.results(rate=rate)
+            rate = _advance(simulation, observers, interrupts, watch)
+            with watch.timing("tables and summary"):
+                results = observers.results(rate=rate)
         except RunError as error:
             observers.rescue(error)
             raise
         except BaseException:
             observers.finish(interrupted=True)
             raise
+        if progress:
+            print(watch.line(), file=sys.stderr, flush=True)
+        return results
 
 
-def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts) -> float | None:
+def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts, watch: Stopwatch) -> float | None:
     """Run to the end or to an interrupt; return swimmer-steps per second."""
     end, schedule = simulation.scene.n_steps, observers.schedule
-    observers.observe()
+    with watch.timing("compiling"):  # also what looks
+        observers.observe()
     observers.clock.start(step=0)
     begin, at_once = time.perf_counter(), 1
     while simulation.step < end and not interrupts:
         due = min(schedule.next_step(simulation.step), end)
         last = time.perf_counter()
-        simulation.advance(min(at_once, due - simulation.step))
+        with watch.timing("swimming"):
+            simulation.advance(min(at_once, due - simulation.step))
         at_once = _next_launch(at_once, time.perf_counter() - last)
         if simulation.step == due:
-            observers.observe()
+            with watch.timing("recording"):
+                observers.observe()
     observers.observe()  # an interrupt may come between two frames
     steps = simulation.step * simulation.engine.n_swimmers
     return steps / (time.perf_counter() - begin) if steps > 0 else None

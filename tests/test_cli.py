@@ -60,6 +60,7 @@ def test_a_run_ends_with_its_folder_and_a_second_one_takes_the_next_name(scene, 
     assert {path.name for path in (tmp_path / "runs/small").iterdir()} == RUN_FILES
     assert "fraction bound" in first.stdout
     assert "compiling" in first.stderr
+    assert "swimming" in first.stderr.splitlines()[-1]
     assert json.loads((tmp_path / "runs/small/summary.json").read_text())["status"] == "finished"
 
 

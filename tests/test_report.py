@@ -22,6 +22,7 @@ from porous_swim import cli
 from porous_swim.analysis.summary import summarize
 from porous_swim.errors import ResultsError
 from porous_swim.plots.colloids import images_in
+from porous_swim.plots.style import MOST_POINTS, thinned_tail
 from porous_swim.reporting import density, network, residence
 from porous_swim.reporting import fractions as fractions_section
 from porous_swim.reporting.lifetime_tables import table_by_radius
@@ -425,3 +426,13 @@ def test_pictures_need_no_display_and_no_pyplot(runs, monkeypatch, tmp_path):
     monkeypatch.delenv("DISPLAY", raising=False)
     ps.report(runs["bullseye"], tmp_path)
     assert {path.suffix for path in (tmp_path / "figures").iterdir()} == {".png", ".svg"}
+
+
+def test_a_thinned_survival_curve_keeps_every_step_of_its_tail():
+    # exponential: of 20 000 ends some 20 lie below 1e-3, which even picks by number would all but skip
+    probability = np.append(1.0 - np.arange(1, 20_000) / 20_000, 0.0)
+    chosen = thinned_tail(probability)
+    assert len(chosen) <= MOST_POINTS
+    assert set(range(19_979, 20_000)) <= set(chosen.tolist())
+    gaps = np.diff(np.log(probability[chosen[chosen < 19_999]]))
+    assert gaps.min() > -1.0  # elsewhere no step is longer than those of the tail

@@ -99,7 +99,8 @@ class PowerLaw(Law):
 
     def draw(self, rng: np.random.Generator, n: int, coordinates: np.ndarray, cutoff: float) -> np.ndarray:
         """See `Law`: the logarithm of length/cutoff is exponential."""
-        return cutoff * np.exp(rng.exponential(math.exp(-coordinates[0]), n))
+        with np.errstate(over="ignore"):  # longer than any run
+            return np.asarray(cutoff * np.exp(rng.exponential(math.exp(-coordinates[0]), n)))
 
     def most_likely(self, sample: Sample) -> np.ndarray:
         """Hill's estimate, ends seen over the sum of log(length/cutoff): Clauset et al., SIAM Rev. 51, 661 (2009)."""

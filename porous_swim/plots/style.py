@@ -73,6 +73,16 @@ def thinned(n: int) -> np.ndarray:
     return np.unique(np.linspace(0, max(n - 1, 0), min(n, MOST_POINTS)).astype(int))
 
 
+def thinned_tail(probability: np.ndarray) -> np.ndarray:
+    """Numbers of at most `MOST_POINTS` points of a falling curve, evenly in its logarithm: a tail keeps every step."""
+    positive = probability[probability > 0.0]
+    if len(positive) == 0:
+        return np.arange(len(probability))
+    fallen = -np.log(np.maximum(probability, 0.5 * positive.min()))
+    levels = np.linspace(fallen[0], fallen[-1], MOST_POINTS)
+    return np.unique(np.minimum(np.searchsorted(fallen, levels), len(probability) - 1))
+
+
 def name_panels(axes: list[Any], shown: list[Shown[Any]]) -> None:
     """Runs side by side are named above their panels; a single run needs no name."""
     if len(shown) > 1:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from porous_swim.analysis.survival import SurvivalCurve
 from porous_swim.analysis.survival_band import survival_band
 from porous_swim.plots.scales import Scales, label_x
-from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned
+from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned_tail
 
 LAW_NAMES = {"exponential": "exponential", "inverse_gaussian": "inverse Gaussian", "power_law": "power law"}
 _LINES = {"exponential": "--", "inverse Gaussian": ":"}  # of laws of all lengths
@@ -49,7 +49,7 @@ def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None)
 
 def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
     curve, band = run.data.curve, survival_band(run.data.curve)
-    chosen = thinned(len(curve.time))
+    chosen = thinned_tail(curve.probability)
     time = np.concatenate([[0.0], curve.time[chosen]])
     probability = np.concatenate([[1.0], curve.probability[chosen]])
     label = run.label if name_it else "Kaplan-Meier, 95 % band"
