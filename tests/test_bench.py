@@ -16,6 +16,8 @@ from porous_swim.bench.reference import Build, Reference, compilers
 from porous_swim.bench.timing import Ratio, take_turns
 from porous_swim.bench.works import Bare
 from tests.engines import field_of, make_engine
+from tests.validation.agreement import mean, require_agreement
+from tests.validation.test_trapping import LISTED
 
 CASES = json.loads((Path(__file__).parent / "reference" / "hydrodynamics.json").read_text())["cases"]
 FIGURE_KEYS = {
@@ -72,6 +74,32 @@ def test_c_the_bare_kernel_and_the_engine_follow_the_same_noisy_paths(double):
     assert np.abs(bare.state - expected).max() < 1e-11  # rounding
     # variates are in single precision, where C under -ffast-math may round otherwise: 600 kicks of 0.0045 (1 + 2^-23)
     assert np.abs(state - expected).max() < 1e-6
+
+
+def test_c_and_the_engine_pass_the_escape_pitch_at_the_same_steps(double):
+    job, n, n_steps = OneColloid(dipole_strength=0.2, time_step=0.02), 300, 1000
+    sine = np.sin(0.375 * job.dipole_strength)
+    engine = make_engine(
+        field_of([[0, 0, 0]], job.radius), np.tile([0.0, 0.0, job.radius + 1.0], (n, 1)), np.tile([1.0, 0, 0], (n, 1)),
+        alpha=job.dipole_strength, D=job.diffusion, time_step=job.time_step, seed=job.seed, precision="f64",
+        variates="uniform", threads=1, escape_sine=sine,
+    )  # fmt: skip
+    engine.advance(n_steps)
+    rows, times = engine.encounters(), np.full(n, np.inf)
+    np.fmin.at(times, rows["swimmer"], rows["escape_pitch_time"])
+    # 10^5 ends of steps, each within the paths' difference of 1e-6 of the escape pitch by a chance of 1e-5 or less
+    n_other = np.count_nonzero(double.passages(n, sine=sine, job=job) != np.round(times / job.time_step))
+    assert n_other <= 3
+    later = double.passages(n - 100, sine=sine, job=job, begin=100)
+    assert np.array_equal(later, double.passages(n, sine=sine, job=job)[100:])  # whoever had the lane before
+
+
+@pytest.mark.parametrize("at", LISTED)
+def test_the_paper_in_c_has_the_first_passages_of_an_independent_simulator(double, at):
+    A, alpha, D = at
+    job = OneColloid(A, alpha, D, time_step=0.001)
+    found = mean(double.passages(4000, sine=np.sin(0.375 * alpha), job=job) * job.time_step)
+    require_agreement({"T_theta": found}, {"T_theta": LISTED[at][0]})
 
 
 def test_contenders_take_turns_and_the_first_round_does_not_count():

@@ -23,9 +23,10 @@ class Counts:
     populations: tuple[int, ...] = (10**3, 10**4, 10**5, 10**6)
     lattices: tuple[int, ...] = (3, 6, 14, 29)  # cells along an edge: 10^2, 10^3, 10^4, 10^5 colloids
     frames: int = 800  # of the recording: the whole scene
+    tolerance: float = 0.01  # total relative error of an answer
 
 
-QUICK = Counts(n_swimmers=64, n_steps=8, rounds=2, populations=(64, 128), lattices=(1, 2), frames=2)
+QUICK = Counts(n_swimmers=64, n_steps=8, rounds=2, populations=(64, 128), lattices=(1, 2), frames=2, tolerance=0.1)
 
 
 @dataclass(frozen=True)

@@ -22,19 +22,20 @@ class OneColloid:
     radius: float = 20.0
     dipole_strength: float = 0.8
     diffusion: float = 0.002
+    time_step: float = TIME_STEP
     seed: int = 1
 
     @property
     def law(self) -> np.ndarray:
         """(4,) alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt), with D_r = 3 D/4."""
         columns = (self.dipole_strength, 1.0, self.diffusion, 0.75 * self.diffusion, 2.0)
-        return Laws(*(np.array([column]) for column in columns)).table(TIME_STEP)[0, :4]
+        return Laws(*(np.array([column]) for column in columns)).table(self.time_step)[0, :4]
 
     @property
     def rules(self) -> list[float]:
         """The numbers of the reference, in its order."""
         alpha, bretherton, kick, turn = self.law
-        return [TIME_STEP, self.radius, alpha, bretherton, kick, turn]
+        return [self.time_step, self.radius, alpha, bretherton, kick, turn]
 
     def start(self, n_swimmers: int, precision: str) -> np.ndarray:
         """(6, n) offsets from the colloid and unit directors."""

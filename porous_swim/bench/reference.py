@@ -63,6 +63,7 @@ class Reference:
         self._library = ctypes.CDLL(str(library))
         whole, array = ctypes.c_int64, ctypes.c_void_p
         self._library.advance.argtypes = [array, *[whole] * 5, array]
+        self._library.passages.argtypes = [array, whole, whole, self._number, array, array]
         self._library.drift_of.argtypes = [array, array, whole, *[self._number] * 3, array, array]
 
     def advance(self, state: np.ndarray, part: slice, *, first: int, n_steps: int, job: OneColloid) -> None:
@@ -70,12 +71,24 @@ class Reference:
 
         The bounds of `part` are whole blocks.
         """
-        rules = np.array(job.rules, self.real).tobytes() + np.array([job.seed, 0], np.uint32).tobytes()
         begin, end, _ = part.indices(state.shape[1])
         assert state.dtype == self.real
         assert state.flags.c_contiguous
         assert begin % self.build.lanes == end % self.build.lanes == 0
-        self._library.advance(state.ctypes.data, state.shape[1], begin, end - begin, first, n_steps, rules)
+        self._library.advance(state.ctypes.data, state.shape[1], begin, end - begin, first, n_steps, self._rules(job))
+
+    def passages(self, n_swimmers: int, *, sine: float, job: OneColloid, begin: int = 0) -> np.ndarray:
+        """First steps (n,) at whose ends the sine of the pitch exceeds `sine`, from contact with pitch 0.
+
+        `begin` is the number of the first swimmer: each number has noise of its own.
+        """
+        start = np.array([0.0, 0.0, job.radius + 1.0, 1.0, 0.0, 0.0], self.real)
+        passage = np.zeros(n_swimmers, np.int32)
+        self._library.passages(start.ctypes.data, begin, n_swimmers, sine, passage.ctypes.data, self._rules(job))
+        return passage
+
+    def _rules(self, job: OneColloid) -> bytes:
+        return np.array(job.rules, self.real).tobytes() + np.array([job.seed, 0], np.uint32).tobytes()
 
     def work(self, n_swimmers: int, n_steps: int) -> Work:
         """The job of one colloid, on one thread."""

@@ -13,13 +13,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from porous_swim.bench import conditions, fields, one_colloid, peers, recording, threads
+from porous_swim.bench import answer, conditions, fields, one_colloid, peers, recording, threads
 from porous_swim.bench.figure import QUICK, Counts, Group, Setting
 from porous_swim.bench.reference import References, compilers
 from porous_swim.errors import SceneError
 
 GROUPS: dict[str, Group] = {
     "one_colloid": one_colloid.figures,
+    "answer": answer.figures,
     "fields": fields.against_c,
     "colloids": fields.more_colloids,
     "lanes": conditions.lanes,
@@ -31,7 +32,8 @@ GROUPS: dict[str, Group] = {
     "recording": recording.figures,
     "peers": peers.figures,
 }
-NEED_C = {"one_colloid", "fields", "threads"}
+NEED_C = {"one_colloid", "answer", "fields", "threads"}
+FORMS = {"ratio": "{:.3f}", "bytes": "{:.0f} bytes", "percent": "{:.2f} %"}
 HEADER = ("figure", "value", "quartiles", "target", "", "ns per swimmer-step", "conditions")
 
 
@@ -122,7 +124,7 @@ def _processor() -> str:
 
 def _row(figure: dict[str, Any]) -> tuple[str, ...]:
     where, target = figure["conditions"], figure["target"]
-    value = f"{figure['value']:.0f} bytes" if figure["unit"] == "bytes" else f"{figure['value']:.3f}"
+    value = FORMS[figure["unit"]].format(figure["value"])
     spread = "" if figure["quartiles"] is None else "{:.3f} to {:.3f}".format(*figure["quartiles"])
     bound = "" if target is None else f"{'>=' if figure['at_least'] else '<='} {target:g}"
     times = ", ".join(f"{name} {taken:.1f}" for name, taken in figure["nanoseconds"].items())

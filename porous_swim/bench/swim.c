@@ -10,6 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
+enum { WATCH = 32 }; /* steps between looks at who has passed */
+
 typedef REAL real;
 
 typedef struct {
@@ -77,7 +79,8 @@ static inline vec turned(vec e, vec spin) {
     return scaled((real)1 / root(dot(n, n)), n);
 }
 
-static inline swimmer step(swimmer s, uint32_t id, uint64_t now, const rules *r) {
+/* Inlined by force: two loops call it, and clang by itself would then make calls, which do not vectorise. */
+__attribute__((always_inline)) static inline swimmer step(swimmer s, uint32_t id, uint64_t now, const rules *r) {
     motion m = drift(s.x, s.e, r->radius, r->dipole_strength, r->bretherton);
     block c = philox((block){(uint32_t)now, (uint32_t)(now >> 32), id, 0}, r->key[0], r->key[1]);
     vec shift = {uniform(c.w0 >> 11), uniform(c.w1 >> 11), uniform(c.w2 >> 11)};
@@ -110,6 +113,39 @@ void advance(real *state, int64_t pitch, int64_t begin, int64_t count, int64_t f
         }
         for (int k = 0; k < 6; k++)
             for (int j = 0; j < LANES; j++) state[k * pitch + i + j] = row[k][j];
+    }
+}
+
+/* For each of `count` swimmers, from number `begin` on, the first step at whose end the sine of the pitch exceeds `sine`.
+ * All begin at `start` (x, y, z, director). A lane whose swimmer has passed takes the next one, at most WATCH steps later;
+ * each has the path that it would have alone. */
+void passages(const real *start, int64_t begin, int64_t count, real sine, int32_t *passage, const rules *r) {
+    _Alignas(64) real row[6][LANES];
+    _Alignas(64) int32_t id[LANES], now[LANES], first[LANES];
+    int64_t next = 0, owner[LANES], left = count;
+    for (int j = 0; j < LANES; j++) first[j] = 1, owner[j] = -1;
+    while (left > 0) {
+        for (int j = 0; j < LANES; j++) {
+            if (first[j] == 0) continue;
+            if (owner[j] >= 0) passage[owner[j]] = first[j], left--;
+            owner[j] = next < count ? next++ : -1; /* none left: the lane swims on for nobody */
+            id[j] = (int32_t)(begin + (owner[j] < 0 ? 0 : owner[j])), now[j] = first[j] = 0;
+            for (int k = 0; k < 6; k++) row[k][j] = start[k];
+        }
+        for (int n = 0; n < WATCH; n++) {
+#if LANES > 1
+#pragma omp simd
+#endif
+            for (int j = 0; j < LANES; j++) {
+                swimmer s = {{row[0][j], row[1][j], row[2][j]}, {row[3][j], row[4][j], row[5][j]}};
+                s = step(s, (uint32_t)id[j], (uint64_t)(uint32_t)now[j], r);
+                real rise = dot(s.x, s.e); /* R times the sine of the pitch */
+                int passed = (rise > 0) & (rise * rise > sine * sine * dot(s.x, s.x)) & (first[j] == 0);
+                row[0][j] = s.x.x, row[1][j] = s.x.y, row[2][j] = s.x.z;
+                row[3][j] = s.e.x, row[4][j] = s.e.y, row[5][j] = s.e.z;
+                now[j]++, first[j] = passed ? now[j] : first[j];
+            }
+        }
     }
 }
 
