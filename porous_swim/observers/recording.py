@@ -145,7 +145,7 @@ class Recording:
         self._write_page(self._page.text(self._last, status=status, results=self._results))
         layout = self._layout(self._last, self._distributions.drawn)
         self._draw_wall(layout.space.scenery)
-        self._file.stream.send_blueprint(layout.blueprint(), make_active=False)
+        self._file.lay_out(layout.blueprint())
         self._file.close()
 
     @property
@@ -155,7 +155,8 @@ class Recording:
     def _open(self, frame: Frame) -> None:
         self._start = frame.position[self._swimmers]
         layout = self._layout(frame, self._possible)
-        self._file = file = RecordingFile(self._path, recording_id=self._id, blueprint=layout.blueprint())
+        self._file = file = RecordingFile(self._path, recording_id=self._id)
+        file.lay_out(layout.blueprint())
         file.describe(self._page.name, self._provenance)
         log_world(file, self._field)
         self._draw_wall(layout.space.scenery)

@@ -46,7 +46,7 @@ class Moments:
 class RecordingFile:
     """One .rrd file in the making, under the name with `.part` appended until it is closed."""
 
-    def __init__(self, path: Path | str, *, recording_id: str, blueprint: rrb.Blueprint) -> None:
+    def __init__(self, path: Path | str, *, recording_id: str) -> None:
         self.path = Path(path)
         self._part = self.path.with_name(self.path.name + ".part")
         rr.set_strict_mode(True)
@@ -59,10 +59,17 @@ class RecordingFile:
             batcher_config=rr.ChunkBatcherConfig.NEVER(),
         )
         try:
-            self.stream.save(self._part, default_blueprint=blueprint)
+            self.stream.save(self._part)
         except RuntimeError as error:
             raise RunError(f"{self._part}: the recording cannot be written here: {_reason(error)}") from None
         self.stream.set_log_time_enabled(False)
+
+    def lay_out(self, blueprint: rrb.Blueprint) -> None:
+        """Set the layout in which the file opens, in place of an earlier one.
+
+        Not as an argument of `save`, which waits without a limit until it is written: for ever where the disk is full.
+        """
+        self.stream.send_blueprint(blueprint, make_active=False)
 
     def describe(self, name: str, provenance: Mapping[str, object]) -> None:
         """Store the recording's name and its provenance, a flat map of texts and numbers."""
