@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
+from porous_swim.engine import backend
+from porous_swim.engine.medium import on_device
 from porous_swim.engine.records import Records
 from porous_swim.engine.state import Int, Status
 from porous_swim.errors import DeviceError, RunError
@@ -55,6 +60,21 @@ def test_between_reflecting_walls_nothing_of_this_changes_a_bit():
     cuts = (7, 13, 980, 500)
     runs = [((N_STEPS,), {}), (cuts, {}), (cuts, dict(chunk=1)), (cuts, dict(lanes=1)), (cuts, dict(log_rows=8))]
     assert len({advanced(crystal("hexagonal", integrator="reflected", **how), pieces) for pieces, how in runs}) == 1
+
+
+def test_a_restart_frees_the_arrays_of_engines_that_are_gone():
+    # Taichi frees an array by its address: later, that may be the address of another array, on the new device
+    gc.disable()
+    try:
+        backend.ensure("cpu", threads=1)
+        ring: list = [on_device(np.zeros((2, 2)))]
+        ring.append(ring)  # only the collector can free it, as it does an engine
+        array = weakref.ref(ring[0])
+        del ring
+        backend.ensure("cpu", threads=2)
+        assert array() is None
+    finally:
+        gc.enable()
 
 
 def test_a_log_of_8_rows_is_filled_many_times_and_loses_nothing():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -67,6 +68,8 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     wanted = Backend(choose(device), threads if choose(device) == "cpu" else None)
     if _current == wanted:
         return wanted
+    # an array that is freed after a restart frees whatever has its address by then: free what nobody holds before
+    gc.collect()
     options = {"cpu_max_num_threads": threads} if wanted.threads else {}
     if wanted.device == "vulkan":
         options["default_gpu_block_dim"] = VULKAN_GROUP
