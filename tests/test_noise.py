@@ -7,6 +7,7 @@ import taichi as ti
 from porous_swim.engine import backend
 from porous_swim.physics.noise import make_draw, make_kick, make_turn
 from porous_swim.physics.philox import philox
+from porous_swim.physics.vectors import vec
 
 ONES = 0xFFFFFFFF
 KNOWN_ANSWERS = [  # counter, key, output: Random123 1.09, kat_vectors, "philox4x32 10"
@@ -141,8 +142,8 @@ def test_the_director_turns_by_the_angle_drawn(dimensions, real, tolerance):
     @ti.kernel
     def apply(out: ti.types.ndarray(real, 1)):
         for _ in range(1):
-            e = ti.Vector([real(c) for c in ti.static(e0.tolist())])
-            n = turn(e, ti.Vector([real(c) for c in ti.static(w.tolist())]))
+            e = vec(*[real(c) for c in ti.static(e0.tolist())])
+            n = turn(e, vec(*[real(c) for c in ti.static(w.tolist())]))
             for k in ti.static(range(dimensions)):
                 out[k] = n[k]
 

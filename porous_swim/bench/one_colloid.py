@@ -15,7 +15,7 @@ def figures(setting: Setting) -> Sequence[Figure]:
     """Ratios to scalar and to blocked C, each by the compiler and the width that are fastest here."""
     counts, n = setting.counts, setting.counts.n_swimmers
     c = setting.references
-    bare = {f"bare, blocks of {lanes}": bare_work(n, counts.n_steps, "f32", lanes) for lanes in (1, *BLOCKS[:2])}
+    bare = {f"bare, blocks of {lanes}": bare_work(n, counts.n_steps, "f32", lanes) for lanes in (1, *BLOCKS)}
     engine = Placed.of(single(n), settling=0)
     references = {"blocked C": c.blocked, "narrow C": c.narrow, "scalar C": c.scalar}
     there = {name: made.work(n, counts.n_steps) for name, made in references.items() if made is not None}

@@ -28,11 +28,12 @@ class Bare:
         self._advance, self._stride = make_bare(real, lanes), max(1, TASK // min(4, n_swimmers // lanes))
         self._state = on_device(job.start(n_swimmers, precision))
         self._numbers = job.radius, ti.Vector(job.law.tolist()), TIME_STEP, job.seed
-        self._step = 0
+        self._step, self._lanes = 0, lanes
 
     def advance(self, n_steps: int) -> None:
         """Move all swimmers."""
-        self._advance(self._state, self._step, n_steps, *self._numbers, self._stride)
+        with backend.whole_vectors(self._lanes > 1):
+            self._advance(self._state, self._step, n_steps, *self._numbers, self._stride)
         self._step += n_steps
 
     @property

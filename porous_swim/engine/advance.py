@@ -7,7 +7,7 @@ from typing import Any
 
 import taichi as ti
 
-from porous_swim.engine.book import make_book, make_vectors
+from porous_swim.engine.book import make_book, make_vectors, make_wide
 from porous_swim.engine.encounters import make_encounters, make_orient
 from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
@@ -40,7 +40,10 @@ class Structure:
 
 @cache
 def make_mover(structure: Structure):
-    """Return `step(f, n, j, i, swimmers, medium, rules, n_steps)` of the structure's integrator."""
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)` of the structure's integrator.
+
+    `swimmer` holds the number of the swimmer in each lane.
+    """
     real, dimensions = structure.real, structure.dimensions
     drift = structure.hydrodynamics.make_drift(real, structure.surface)
     contact_height = HardContact.make_height(real, structure.shape)
@@ -66,17 +69,17 @@ def make_lanes(real, dimensions: int, lanes: int):
         for j in range(lanes):
             i = ti.min(block * lanes + j, swimmers.int.shape[1] - 1)  # lanes beyond the last swimmer idle
             for row in ti.static(range(rows.n_shared)):
-                f[row, j] = swimmers.real[row, i]
+                f[row][j] = swimmers.real[row, i]
             for row in ti.static(range(N_SHARED_INTS)):
-                n[row, j] = swimmers.int[row, i]
+                n[row][j] = swimmers.int[row, i]
             if fresh != 0:
-                n[Int.STEP, j] = 0
+                n[Int.STEP][j] = 0
             for k in ti.static(range(int(Law.ESCAPE_SINE))):
-                f[rows.alpha + k, j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
-            n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j], n[LaneInt.TOUCH, j] = -1, 0, 0
-            n[Int.EVENT, j] |= int(Event.ORIENT)
+                f[rows.alpha + k][j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
+            n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
+            n[Int.EVENT][j] |= int(Event.ORIENT)
             if block * lanes + j >= swimmers.int.shape[1]:
-                n[Int.EVENT, j] = int(Event.HALT)
+                n[Int.EVENT][j] = int(Event.HALT)
 
     @ti.func
     def store(f: ti.template(), n: ti.template(), block, swimmers: ti.template(), first, n_steps):
@@ -84,15 +87,15 @@ def make_lanes(real, dimensions: int, lanes: int):
             i = block * lanes + j
             if i < swimmers.int.shape[1]:
                 for row in ti.static(range(rows.n_shared)):
-                    swimmers.real[row, i] = f[row, j]
+                    swimmers.real[row, i] = f[row][j]
                 for row in ti.static(range(N_SHARED_INTS)):
-                    swimmers.int[row, i] = n[row, j]
-                if n[LaneInt.RELEASE, j] >= 0:
-                    swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE, j]
-                swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT, j]
-                if n[Int.EVENT, j] & int(Event.HALT):
+                    swimmers.int[row, i] = n[row][j]
+                if n[LaneInt.RELEASE][j] >= 0:
+                    swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
+                swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
+                if n[Int.EVENT][j] & int(Event.HALT):
                     ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
-                elif (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] >= n_steps):
+                elif (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] >= n_steps):
                     ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
 
     return load, store
@@ -108,16 +111,15 @@ def make_advance(structure: Structure):
     step = make_mover(structure)
     sphere, integrator = structure.shape == "sphere", structure.integrator
     book = make_book(real, dimensions, surface, integrator)
-    get, _ = make_vectors(dimensions)
+    whole, _ = make_wide(dimensions)
+    get, put = make_vectors(dimensions)
     settle = make_settle(real, dimensions, contact_height, sphere, surface, integrator)
     orient = make_orient(real, dimensions, located)
     encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator == "reflected")
     to = make_surface(real, surface)
     load, store = make_lanes(real, dimensions, lanes)
-    Reals, Ints = (
-        ti.types.matrix(rows.n_lanes, lanes, real),
-        ti.types.matrix(len(LaneInt) + N_SHARED_INTS, lanes, ti.i32),
-    )
+    Wide, WideInt, WideWord = (ti.types.vector(lanes, t) for t in (real, ti.i32, ti.u32))
+    n_ints = len(LaneInt) + N_SHARED_INTS
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
 
@@ -125,27 +127,43 @@ def make_advance(structure: Structure):
     def attend(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
-        event = n[Int.EVENT, j]
-        n[Int.EVENT, j] &= int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
+        event = n[Int.EVENT][j]
+        n[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
         if event & int(Event.LOCATE):  # a swimmer just placed stays where it is
-            for row in ti.static(range(dimensions)):
-                f[rows.trial_x + row, j], f[rows.trial_e + row, j] = f[rows.x + row, j], f[rows.e + row, j]
+            put(f, rows.trial_x, j, get(f, rows.x, j))
+            put(f, rows.trial_e, j, get(f, rows.e, j))
         if event & int(Event.LOCATE | Event.FINISH):
             band = rules.tolerance
             if ti.static(located):  # a swimmer released that near touches; later a touch is a touch
                 band = ti.select(event & int(Event.LOCATE), band, real(LOCATED_BAND))
             settle(f, n, j, i, swimmers, medium, rules, band)
         orient(f, n, j, i, swimmers, medium)
-        if n[Int.EVENT, j] & int(Event.HALT) == 0:
+        if n[Int.EVENT][j] & int(Event.HALT) == 0:
             if event & int(Event.FINISH):
-                r = get(f, rows.trial_x, j) + get(f, rows.bound_offset, j)
-                s = to.sine(r, get(f, rows.trial_e, j), to.distance(r))
-                book(f, n, j, True, rules, contact_height(s, f[rows.gamma, j], f[rows.bound_A, j]))
-            if event & int(Event.LOCATE):
-                touch = (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
-                n[Int.EVENT, j] |= ti.select(touch, int(Event.CONTACT), 0)
-            if n[Int.EVENT, j] != 0:
-                encounters(f, n, j, i, swimmers, medium, log, rules)
+                n[LaneInt.SETTLED][j] = 1
+            else:
+                if event & int(Event.LOCATE):
+                    touch = (n[LaneInt.TOUCH][j] != 0) & (n[LaneInt.WATCH_CONTACT][j] != 0)
+                    n[Int.EVENT][j] |= ti.select(touch, int(Event.CONTACT), 0)
+                if n[Int.EVENT][j] != 0:
+                    encounters(f, n, j, i, swimmers, medium, log, rules)
+
+    @ti.func
+    def attend_all(f: ti.template(), n: ti.template(), first_swimmer, swimmers: ti.template(), medium: ti.template(),
+                   log: ti.template(), rules: ti.template()):  # fmt: skip
+        """Do what the lanes wait for: settle and book; what comes of it; orient those whose encounter it changed."""
+        for _ in range(3):
+            settled = 0
+            for j in range(lanes):
+                if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
+                    attend(f, n, j, first_swimmer + j, swimmers, medium, log, rules)
+                    settled |= n[LaneInt.SETTLED][j]
+            if settled != 0:
+                r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
+                s = to.sine(r, whole(f, rows.trial_e), to.distance(r))
+                least = contact_height(s, f[rows.gamma], f[rows.bound_A])
+                book(f, n, n[LaneInt.SETTLED] != 0, rules, least)
+                n[LaneInt.SETTLED] = WideInt(0)
 
     @ti.kernel
     def advance(
@@ -167,21 +185,22 @@ def make_advance(structure: Structure):
         ):  # Taichi's CPU tasks are at least 512 iterations: a block is `stride` of them
             if t % stride == 0:
                 block = t // stride
-                f, n = Reals(0.0), Ints(0)
+                f = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
+                n = [WideInt(0) for _ in ti.static(range(n_ints))]
+                swimmer = WideWord(ti.u32(0))
+                for j in range(lanes):
+                    swimmer[j] = ti.cast(block * lanes + j, ti.u32)
                 load(f, n, block, swimmers, fresh)
                 go = 1
                 while go != 0:
+                    attend_all(f, n, block * lanes, swimmers, medium, log, rules)
                     go = 0
                     for j in range(lanes):
-                        for _ in range(2):  # the second time to orient a lane whose encounter began or ended
-                            if (n[Int.EVENT, j] != 0) & ((n[Int.EVENT, j] & int(Event.HALT)) == 0):
-                                attend(f, n, j, block * lanes + j, swimmers, medium, log, rules)
-                        if (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] < n_steps):
+                        if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
                             go = 1
                     if go != 0:
                         for _ in range(chunk):
-                            for j in range(lanes):  # the one loop that vectorises: values in, values out, selects
-                                step(f, n, j, block * lanes + j, swimmers, medium, rules, n_steps)
+                            step(f, n, swimmer, swimmers, medium, rules, n_steps)
                 store(f, n, block, swimmers, first, n_steps)
 
     return advance

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import gc
 import sys
-from contextlib import redirect_stdout
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 
@@ -83,6 +84,22 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     _drop_compiled()
     _current = wanted
     return wanted
+
+
+@contextmanager
+def whole_vectors(on: bool) -> Iterator[None]:
+    """Compile kernels within with `ti.types.vector` as vectors of the processor, of any width.
+
+    By default Taichi takes vectors apart, and leaves it to LLVM's vectoriser to find them again, which for processors
+    newer than itself (LLVM 15) does so in pieces of four. Small vectors in space then must not occur: see
+    `physics.vectors`.
+    """
+    settings = impl.current_cfg()
+    before, settings.real_matrix_scalarize = settings.real_matrix_scalarize, not on
+    try:
+        yield
+    finally:
+        settings.real_matrix_scalarize = before
 
 
 def ensure_any() -> Backend:

@@ -1,6 +1,7 @@
 """Booking a step: the record of the encounter, and the events that the step brings.
 
-Runs in the lanes for most steps and in the scalar pass for those that needed a search: the same function.
+The rows of a block's state are wide values: a function of whole rows books all lanes at once, those that moved within
+their budget after every step, and those that needed a search together when all of these have been settled.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
@@ -12,6 +13,7 @@ from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.physics.bridge import NEAREST, crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.vectors import pick, vec
 
 TWO_PI = 6.283185307179586
 MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
@@ -19,28 +21,44 @@ MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path cro
 
 @cache
 def make_vectors(dimensions: int):
-    """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of a lane."""
+    """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of lane j."""
 
     @ti.func
     def get(f: ti.template(), row: ti.template(), j):
-        return ti.Vector([f[row + d, j] for d in ti.static(range(dimensions))])
+        return vec(*[f[row + d][j] for d in ti.static(range(dimensions))])
 
     @ti.func
     def put(f: ti.template(), row: ti.template(), j, v):
         for d in ti.static(range(dimensions)):
-            f[row + d, j] = v[d]
+            f[row + d][j] = v[d]
 
     return get, put
 
 
+@cache
+def make_wide(dimensions: int):
+    """Return `whole(f, row)` and `put_whole(f, row, v)` for the vectors of all lanes at once."""
+
+    @ti.func
+    def whole(f: ti.template(), row: ti.template()):
+        return vec(*[f[row + d] for d in ti.static(range(dimensions))])
+
+    @ti.func
+    def put_whole(f: ti.template(), row: ti.template(), v):
+        for d in ti.static(range(dimensions)):
+            f[row + d] = v[d]
+
+    return whole, put_whole
+
+
 @ti.func
-def add(f: ti.template(), row: ti.template(), j, on, value):
-    """Add `value` to a sum where `on`; the next row keeps what the rounding left (Kahan)."""
-    total, rest = f[row, j], f[row + 1, j]
+def add(f: ti.template(), row: ti.template(), on, value):
+    """Add `value` to a sum in the lanes `on`; the next row keeps what the rounding left (Kahan)."""
+    total, rest = f[row], f[row + 1]
     y = value + rest
     t = rounded(total + y)
-    f[row, j] = ti.select(on, t, total)
-    f[row + 1, j] = ti.select(on, y - (t - total), rest)
+    f[row] = ti.select(on, t, total)
+    f[row + 1] = ti.select(on, y - (t - total), rest)
 
 
 @cache
@@ -51,13 +69,14 @@ def make_turns(real, dimensions: int):
     def turns(r0, r1, e):
         # (t.dx)/R with t the unit tangential part of the director, R the distance, both at the start of the step
         rho, s, dx = r0.dot(r0), r0.dot(e), r1 - r0
-        t = e - s / rho * r0  # from its own components: 1 - s^2/rho would cancel where e points at the centre
+        t = e - r0 * (s / rho)  # from its own components: 1 - s^2/rho would cancel where e points at the centre
         along = t.dot(dx) / ti.sqrt(ti.max(rho * t.dot(t), real(1e-30)))
-        angle = real(0.0)
-        if ti.static(dimensions == 2):  # arcsin as a series: below 1e-9 at 0.1 rad
-            c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
-            q = c * c
-            angle = rounded(c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336)))))
+        if ti.static(dimensions != 2):
+            return along * real(1 / TWO_PI), real(0.0)
+        # arcsin as a series: below 1e-9 at 0.1 rad
+        c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
+        q = c * c
+        angle = rounded(c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336)))))
         return along * real(1 / TWO_PI), angle * real(1 / TWO_PI)
 
     return turns
@@ -73,7 +92,7 @@ def make_swept(real, dimensions: int):
         along, angle = turns(r0, r1, e)
         chord = r1 / ti.sqrt(r1.dot(r1)) - r0 / ti.sqrt(r0.dot(r0))
         turn = real(2.0) * ti.asin(ti.min(real(0.5) * ti.sqrt(chord.dot(chord)), real(1.0)))
-        return ti.select(along < real(0.0), -turn, turn) * real(1 / TWO_PI), angle
+        return ti.select(along < real(0.0), turn * real(-1.0), turn) * real(1 / TWO_PI), angle
 
     return swept
 
@@ -91,120 +110,124 @@ def make_unwound(real):
 
 @cache
 def make_book(real, dimensions: int, surface: Surface, integrator: str):
-    """Return `book(f, n, j, on, rules, least)`, which commits the trial move of lane j where `on`.
+    """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
     of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
     """
     located, reflected = integrator == "located", integrator == "reflected"
     rows = real_rows(dimensions)
-    get, put = make_vectors(dimensions)
+    whole, put_whole = make_wide(dimensions)
     turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
     if surface == "plane":
         turns = make_unwound(real)
     to = make_surface(real, surface)
 
     @ti.func
-    def tick(f: ti.template(), n: ti.template(), j, on):
+    def tick(f: ti.template(), n: ti.template(), on):
         """Set the clock forward."""
         if ti.static(located):
-            ends = f[rows.trial_clock, j] >= real(1.0)
-            clock = ti.select(ends, real(0.0), f[rows.trial_clock, j])
-            f[rows.clock, j] = ti.select(on, clock, f[rows.clock, j])
-            n[Int.STEP, j] += ti.select(on & ends, 1, 0)
+            ends = f[rows.trial_clock] >= real(1.0)
+            clock = ti.select(ends, real(0.0), f[rows.trial_clock])
+            f[rows.clock] = ti.select(on, clock, f[rows.clock])
+            n[Int.STEP] = n[Int.STEP] + ti.select(on & ends, 1, 0)
         else:
-            n[Int.STEP, j] += ti.select(on, 1, 0)
+            n[Int.STEP] = n[Int.STEP] + ti.select(on, 1, 0)
         if ti.static(reflected):
-            f[rows.clock, j] = ti.select(on, real(MIDDLE), f[rows.clock, j])
+            f[rows.clock] = ti.select(on, real(MIDDLE), f[rows.clock])
 
     @ti.func
-    def weigh(f: ti.template(), n: ti.template(), j, on, h, low, left):
+    def weigh(f: ti.template(), n: ti.template(), on, h, low, left):
         """Add the height and the time in contact, in steps."""
         if ti.static(located):
-            part = f[rows.trial_clock, j] - f[rows.clock, j]
-            add(f, rows.height, j, on, f[rows.trial_height, j])
-            f[rows.contact_clock, j] += ti.select(on & (n[LaneInt.LOW, j] != 0), part, real(0.0))
+            part = f[rows.trial_clock] - f[rows.clock]
+            add(f, rows.height, on, f[rows.trial_height])
+            in_contact = on & (n[LaneInt.LOW] != 0)
+            f[rows.contact_clock] = f[rows.contact_clock] + ti.select(in_contact, part, real(0.0))
         else:
             if ti.static(reflected):  # the encounter ended in the middle of the step
-                h *= ti.select(left, real(1.0 + MIDDLE), real(1.0))
-            add(f, rows.height, j, on, h)
-            n[LaneInt.N_CONTACT, j] += ti.select(on & low, 1, 0)
+                add(f, rows.height, on, h * ti.select(left, real(1.0 + MIDDLE), real(1.0)))
+            else:
+                add(f, rows.height, on, h)
+            n[LaneInt.N_CONTACT] = n[LaneInt.N_CONTACT] + ti.select(on & low, 1, 0)
 
     @ti.func
-    def hold(f: ti.template(), n: ti.template(), j, at_wall, s):
+    def hold(f: ti.template(), n: ti.template(), at_wall, s):
         """Note when and where the wall was last touched."""
-        after, clock = n[Int.STEP, j] + 1, real(0.0)
+        after = n[Int.STEP] + 1
         if ti.static(located):
-            ends = f[rows.trial_clock, j] >= real(1.0)
-            after, clock = ti.select(ends, after, after - 1), ti.select(ends, real(0.0), f[rows.trial_clock, j])
-            f[rows.release_clock, j] = ti.select(at_wall, clock, f[rows.release_clock, j])
+            ends = f[rows.trial_clock] >= real(1.0)
+            clock = ti.select(ends, real(0.0), f[rows.trial_clock])
+            after = ti.select(ends, after, after - 1)
+            f[rows.release_clock] = ti.select(at_wall, clock, f[rows.release_clock])
         if ti.static(reflected):
-            f[rows.release_clock, j] = ti.select(at_wall, real(MIDDLE), f[rows.release_clock, j])
-        n[LaneInt.RELEASE, j] = ti.select(at_wall, after, n[LaneInt.RELEASE, j])
-        f[rows.release_sine, j] = ti.select(at_wall, s, f[rows.release_sine, j])
-        f[rows.release_winding, j] = ti.select(at_wall, f[rows.winding, j], f[rows.release_winding, j])
+            f[rows.release_clock] = ti.select(at_wall, real(MIDDLE), f[rows.release_clock])
+        n[LaneInt.RELEASE] = ti.select(at_wall, after, n[LaneInt.RELEASE])
+        f[rows.release_sine] = ti.select(at_wall, s, f[rows.release_sine])
+        f[rows.release_winding] = ti.select(at_wall, f[rows.winding], f[rows.release_winding])
 
     @ti.func
-    def crossings(f: ti.template(), j, rules: ti.template(), r0, e0, h, s):
+    def crossings(f: ti.template(), rules: ti.template(), r0, e0, h, s):
         """Whether the path went above the escape height, and past the escape pitch, within the step."""
         R = to.distance(r0)
         out = ti.max(R, real(NEAREST))
         s0, bend = to.sine(r0, e0, out), to.bend(real(1.0), out)
-        kick, turn = f[rows.kick, j] * f[rows.kick, j], f[rows.turn, j] * f[rows.turn, j]
-        left = crosses(rules.escape_height, R - f[rows.bound_A, j], h, kick, f[rows.height_excursion, j])
+        kick, turn = f[rows.kick] * f[rows.kick], f[rows.turn] * f[rows.turn]
+        left = crosses(rules.escape_height, R - f[rows.bound_A], h, kick, f[rows.height_excursion])
         variance = (turn + kick * bend * bend) * (real(1.0) - s0 * s0)
-        return left, crosses(f[rows.escape_sine, j], s0, s, variance, f[rows.pitch_excursion, j])
+        return left, crosses(f[rows.escape_sine], s0, s, variance, f[rows.pitch_excursion])
 
     @ti.func
-    def press(f: ti.template(), j, bound, free, least):
+    def press(f: ti.template(), bound, free, least):
         """Note the touch of a wall within the step, and of a free swimmer the push: it may begin an encounter."""
-        push = f[rows.trial_push, j]
-        lowest = ti.min(f[rows.min_height, j], least)
-        f[rows.min_height, j] = ti.select(bound & (push > real(0.0)), lowest, f[rows.min_height, j])
-        f[rows.push, j] = ti.select(free, push, f[rows.push, j])
+        push = f[rows.trial_push]
+        lowest = ti.min(f[rows.min_height], least)
+        f[rows.min_height] = ti.select(bound & (push > real(0.0)), lowest, f[rows.min_height])
+        f[rows.push] = ti.select(free, push, f[rows.push])
 
     @ti.func
-    def record(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least, r0, r1, e0, h, s, left):
+    def record(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, r0, r1, e0, h, s, left):
         """Add the step to the record of the encounter under way."""
         along, angle = turns(r0, r1, e0)
-        add(f, rows.winding, j, on, along)
+        add(f, rows.winding, on, along)
         if ti.static(dimensions == 2):
-            add(f, rows.signed, j, on, angle)
-        add(f, rows.push, j, on, f[rows.trial_push, j])
-        f[rows.min_height, j] = ti.select(on, ti.min(h, f[rows.min_height, j]), f[rows.min_height, j])
-        f[rows.max_height, j] = ti.select(on, ti.max(h, f[rows.max_height, j]), f[rows.max_height, j])
+            add(f, rows.signed, on, angle)
+        add(f, rows.push, on, f[rows.trial_push])
+        f[rows.min_height] = ti.select(on, ti.min(h, f[rows.min_height]), f[rows.min_height])
+        f[rows.max_height] = ti.select(on, ti.max(h, f[rows.max_height]), f[rows.max_height])
         above = h - least
         low = above <= ti.max(rules.contact_band, rules.tolerance)
-        weigh(f, n, j, on, h, low, left)
-        at_wall = above <= ti.min(rules.tolerance, rules.margin)  # but for rounding
+        weigh(f, n, on, h, low, left)
+        rounding = above <= ti.min(rules.tolerance, rules.margin)
         if ti.static(reflected):
-            at_wall |= f[rows.trial_push, j] > real(0.0)
-        hold(f, n, j, on & at_wall, s)
+            hold(f, n, on & (rounding | (f[rows.trial_push] > real(0.0))), s)
+        else:
+            hold(f, n, on & rounding, s)
 
     @ti.func
-    def book(f: ti.template(), n: ti.template(), j, on, rules: ti.template(), least):
-        x0, e0, offset = get(f, rows.x, j), get(f, rows.e, j), get(f, rows.bound_offset, j)
-        x1, e1 = get(f, rows.trial_x, j), get(f, rows.trial_e, j)
+    def book(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
+        x0, e0, offset = whole(f, rows.x), whole(f, rows.e), whole(f, rows.bound_offset)
+        x1, e1 = whole(f, rows.trial_x), whole(f, rows.trial_e)
         r0, r1 = x0 + offset, x1 + offset
         R = to.distance(r1)
         s = to.sine(r1, e1, R)
-        bound = on & (n[Int.PHASE, j] == int(Phase.BOUND))
-        h = R - f[rows.bound_A, j]
-        left, passed = h > rules.escape_height, s > f[rows.escape_sine, j]
+        is_bound = n[Int.PHASE] == int(Phase.BOUND)
+        bound, free = on & is_bound, on & (not is_bound)
+        h = R - f[rows.bound_A]
+        left, passed = h > rules.escape_height, s > f[rows.escape_sine]
         if ti.static(reflected):
-            crossed_height, crossed_pitch = crossings(f, j, rules, r0, e0, h, s)
+            crossed_height, crossed_pitch = crossings(f, rules, r0, e0, h, s)
             left, passed = left | crossed_height, passed | crossed_pitch
-        record(f, n, j, bound, rules, least, r0, r1, e0, h, s, left)
+        record(f, n, bound, rules, least, r0, r1, e0, h, s, left)
         if ti.static(reflected):
-            press(f, j, bound, on & (n[Int.PHASE, j] != int(Phase.BOUND)), least)
-        touch = on & (n[LaneInt.TOUCH, j] != 0) & (n[LaneInt.WATCH_CONTACT, j] != 0)
-        passed &= on & (n[LaneInt.WATCH_PITCH, j] != 0)
-        left &= bound
-        events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(passed, int(Event.PITCH), 0)
-        n[Int.EVENT, j] |= events | ti.select(left, int(Event.ESCAPE), 0)
-        tick(f, n, j, on)
-        put(f, rows.x, j, ti.select(on, x1, x0))
-        put(f, rows.rest, j, ti.select(on, get(f, rows.trial_rest, j), get(f, rows.rest, j)))
-        put(f, rows.e, j, ti.select(on, e1, e0))
+            press(f, bound, free, least)
+        touch = on & (n[LaneInt.TOUCH] != 0) & (n[LaneInt.WATCH_CONTACT] != 0)
+        timed = passed & on & (n[LaneInt.WATCH_PITCH] != 0)
+        events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(timed, int(Event.PITCH), 0)
+        n[Int.EVENT] = n[Int.EVENT] | events | ti.select(left & bound, int(Event.ESCAPE), 0)
+        tick(f, n, on)
+        put_whole(f, rows.x, pick(on, x1, x0))
+        put_whole(f, rows.rest, pick(on, whole(f, rows.trial_rest), whole(f, rows.rest)))
+        put_whole(f, rows.e, pick(on, e1, e0))
 
     return book

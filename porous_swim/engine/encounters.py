@@ -9,9 +9,10 @@ from porous_swim.engine.book import make_vectors
 from porous_swim.engine.log import make_log
 from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
-from porous_swim.obstacles.search import ivec3, make_between
+from porous_swim.obstacles.search import make_between
 from porous_swim.physics.lift_off import make_lift_off_sine
 from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.vectors import pick, vec
 
 
 @cache
@@ -27,27 +28,27 @@ def make_orient(real, dimensions: int, located: bool):
     @ti.func
     def orient(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
         k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i).variable()
         t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
         none = b < 0
-        b, image_b = ti.select(none, k, b), ti.select(none, image, image_b)
+        b, image_b = ti.select(none, k, b), pick(none, image, image_b)
         struck, image_s = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
-        bound = n[Int.PHASE, j] == int(Phase.BOUND)
+        bound = n[Int.PHASE][j] == int(Phase.BOUND)
         own = bound & same(k, image, b, image_b)
         known = same(struck, image_s, b, image_b) | same(struck, image_s, t, image_t)
         news = (not bound) | (not known)
-        awaited = (n[Int.PHASE, j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
-        f[rows.A, j], f[rows.bound_A, j] = medium.radius[k], medium.radius[b]
+        awaited = (n[Int.PHASE][j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
+        f[rows.A][j], f[rows.bound_A][j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
         if ti.static(located):
-            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
-            n[LaneInt.BETWEEN, j] = ti.cast(m >= 0, ti.i32)
-            m, image_m = ti.select(m < 0, k, m), ti.select(m < 0, image, image_m)
-            f[rows.mate_A, j] = medium.radius[m]
+            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i).variable()
+            n[LaneInt.BETWEEN][j] = ti.cast(m >= 0, ti.i32)
+            m, image_m = ti.select(m < 0, k, m), pick(m < 0, image, image_m)
+            f[rows.mate_A][j] = medium.radius[m]
             put(f, rows.mate_offset, j, between(medium, m, image_m, k, image))
-        n[LaneInt.OWN, j] = ti.cast(own, ti.i32)
-        n[LaneInt.WATCH_CONTACT, j] = ti.cast(news, ti.i32)
-        n[LaneInt.WATCH_PITCH, j] = ti.cast(awaited & (f[rows.escape_sine, j] < real(1.0)), ti.i32)
+        n[LaneInt.OWN][j] = ti.cast(own, ti.i32)
+        n[LaneInt.WATCH_CONTACT][j] = ti.cast(news, ti.i32)
+        n[LaneInt.WATCH_PITCH][j] = ti.cast(awaited & (f[rows.escape_sine][j] < real(1.0)), ti.i32)
 
     return orient
 
@@ -80,13 +81,13 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
         swimmers.int[int(Int.TOUCHED), i] = -1
-        n[Int.PHASE, j] = int(Phase.BOUND)
+        n[Int.PHASE][j] = int(Phase.BOUND)
         nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        r = get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)
+        r = (get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)).variable()
         e = get(f, rows.e, j)
         R = to.distance(r)
         s, h = to.sine(r, e, R), R - medium.radius[k]
-        least = contact_height(s, f[rows.gamma, j], medium.radius[k])
+        least = contact_height(s, f[rows.gamma][j], medium.radius[k])
         touch, low = h <= least + rules.tolerance, h
         if ti.static(reflected):  # the wall was touched within the step, and may have been left again
             touch |= struck
@@ -95,30 +96,30 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         for d in ti.static(range(dimensions)):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
-        push = ti.select(struck, f[rows.push, j], real(0.0))
+        push = ti.select(struck, f[rows.push][j], real(0.0))
         for row in ti.static(range(rows.winding, rows.min_height)):
-            f[row, j] = real(0.0)
-        f[rows.min_height, j], f[rows.max_height, j] = h, h
+            f[row][j] = real(0.0)
+        f[rows.min_height][j], f[rows.max_height][j] = h, h
         threshold = swimmers.law[swimmers.int[int(Int.SET), i], int(Law.ESCAPE_SINE)]
         if threshold < real(-1.0):
-            threshold = lift_off_sine(medium.radius[k], f[rows.alpha, j], f[rows.gamma, j])
-        f[rows.escape_sine, j] = threshold
-        f[rows.release_sine, j], f[rows.release_winding, j] = s, real(0.0)
-        n[LaneInt.RELEASE, j], n[LaneInt.N_CONTACT, j] = -1, 0
-        step = rules.first + n[Int.STEP, j]
+            threshold = lift_off_sine(medium.radius[k], f[rows.alpha][j], f[rows.gamma][j])
+        f[rows.escape_sine][j] = threshold
+        f[rows.release_sine][j], f[rows.release_winding][j] = s, real(0.0)
+        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
+        step = rules.first + n[Int.STEP][j]
         swimmers.long[int(Long.START), i] = step
         swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
         swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
         swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
         for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
-            f[row, j] = f[rows.clock, j]
-        f[rows.contact_clock, j] = real(0.0)
+            f[row][j] = f[rows.clock][j]
+        f[rows.contact_clock][j] = real(0.0)
         if ti.static(reflected):  # what is left of the step counts, and the push at first contact
-            f[rows.push, j] = push
-            f[rows.min_height, j] = low
-            f[rows.height, j] = -f[rows.clock, j] * h
+            f[rows.push][j] = push
+            f[rows.min_height][j] = low
+            f[rows.height][j] = -f[rows.clock][j] * h
             in_band = h - least <= ti.max(rules.contact_band, rules.tolerance)
-            f[rows.contact_clock, j] = ti.select(in_band, -f[rows.clock, j], real(0.0))
+            f[rows.contact_clock][j] = ti.select(in_band, -f[rows.clock][j], real(0.0))
 
     return capture
 
@@ -150,23 +151,23 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
     @ti.func
     def encounters(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
-        event, phase = n[Int.EVENT, j], n[Int.PHASE, j]
-        step = rules.first + n[Int.STEP, j]
+        event, phase = n[Int.EVENT][j], n[Int.PHASE][j]
+        step = rules.first + n[Int.STEP][j]
         escaped = (event & int(Event.ESCAPE)) != 0
         passed, struck = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0
         bound = phase == int(Phase.BOUND)
         if passed & bound:
             swimmers.long[int(Long.PITCH), i] = step
-            f[rows.pitch_clock, j] = f[rows.clock, j]
+            f[rows.pitch_clock][j] = f[rows.clock][j]
         late = passed & (phase == int(Phase.LEFT))
         written = True
         if escaped:  # a reflected path may have come back from there
-            f[rows.max_height, j] = ti.max(f[rows.max_height, j], rules.escape_height)
+            f[rows.max_height][j] = ti.max(f[rows.max_height][j], rules.escape_height)
         if escaped | late:
             written = log_row(f, n, j, i, swimmers, log, step, late)
         if written:
-            n[Int.EVENT, j] = int(Event.ORIENT)
-            target, target_image = -1, ivec3(0)
+            n[Int.EVENT][j] = int(Event.ORIENT)
+            target, target_image = -1, vec(0, 0, 0).variable()
             k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
             if struck & bound:  # noted before an escape in the same step: the last touched is where the next one begins
                 swimmers.int[int(Int.TOUCHED), i] = k
@@ -176,14 +177,14 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
                 phase = int(Phase.FREE)
             if escaped:
                 ti.atomic_add(swimmers.total[int(Total.ESCAPES)], 1)
-                f[rows.push, j] = real(0.0)
-                awaited = (n[LaneInt.WATCH_PITCH, j] != 0) & (not passed)
+                f[rows.push][j] = real(0.0)
+                awaited = (n[LaneInt.WATCH_PITCH][j] != 0) & (not passed)
                 phase = ti.select(awaited, int(Phase.LEFT), int(Phase.FREE))
                 if within_reach(f, j, i, swimmers, medium, rules.escape_height):  # a direct hop
                     target = swimmers.int[int(Int.TOUCHED), i]
                     target_image = image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
                 swimmers.int[int(Int.TOUCHED), i] = -1
-            n[Int.PHASE, j] = phase
+            n[Int.PHASE][j] = phase
             if struck & (not bound):
                 target, target_image = k, image
             if target >= 0:

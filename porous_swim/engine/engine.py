@@ -9,7 +9,7 @@ import taichi as ti
 from taichi.lang.util import to_numpy_type
 
 from porous_swim.engine.advance import Structure, make_advance
-from porous_swim.engine.backend import Backend
+from porous_swim.engine.backend import Backend, whole_vectors
 from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
@@ -24,7 +24,7 @@ from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
 
-LANES = 8  # on a CPU; a thread of a GPU is one lane
+LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
 CHUNK = 4  # steps between looks at events
 LOG_ROWS = 8192
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
@@ -86,7 +86,7 @@ class Engine:
         self._news: list[News] = []
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
-        self.lanes = lanes or (LANES if backend.is_cpu else 1)
+        self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
         self._n_blocks = -(-self.n_swimmers // (self.lanes * group)) * group
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
@@ -175,17 +175,11 @@ class Engine:
         fresh, finished, idle = 1, 0, 0
         while finished < self.n_swimmers:
             before = finished
-            self._advance(
-                *self._swimmers,
-                *self._medium,
-                *self._log,
-                *rules,
-                n_steps,
-                fresh,
-                self._n_blocks,
-                self._stride,
-                self._chunk,
-            )
+            with whole_vectors(self.lanes > 1):
+                self._advance(
+                    *self._swimmers, *self._medium, *self._log, *rules,
+                    n_steps, fresh, self._n_blocks, self._stride, self._chunk,
+                )  # fmt: skip
             self._total = total = self._swimmers.total.to_numpy()
             finished, fresh = int(total[Total.FINISHED]), 0
             if total[Total.HALTED] > 0:

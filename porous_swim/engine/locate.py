@@ -13,6 +13,7 @@ from porous_swim.engine.swimmers import image_of, same
 from porous_swim.obstacles.search import make_search
 from porous_swim.physics.located import Mode, make_stride
 from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.vectors import vec
 
 HALVINGS = 50  # of a time step: to its last bit
 SHORTEST = 1e-9  # of a time step: where errors or turning points ask for less, go on
@@ -22,10 +23,21 @@ AT_WALL = 1e-12  # distance from contact, in distances from the centre, that is 
 
 
 @cache
+def make_get(dimensions: int):
+    """Return `get(f, row, j)`, a vector of Taichi: steps of a length of their own are one lane's, and plain numbers."""
+
+    @ti.func
+    def get(f: ti.template(), row: ti.template(), j):
+        return ti.Vector([f[row + d][j] for d in ti.static(range(dimensions))])
+
+    return get
+
+
+@cache
 def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface):
     """Return `switched` and `passed`, which say whether a move has gone beyond an event, and `is_low`."""
     rows = real_rows(dimensions)
-    get, _ = make_vectors(dimensions)
+    get = make_get(dimensions)
     search = make_search(real, dimensions, contact_height, sphere, surface)
     to = make_surface(real, surface)
 
@@ -34,9 +46,11 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
         """Whether another colloid is nearer at x; nobody looks within the budget."""
         other = False
         moved = x - get(f, rows.reference, j)
-        if moved.dot(moved) > f[rows.budget, j]:
+        if moved.dot(moved) > f[rows.budget][j]:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-            found = search.run(medium, k, image, x, e, f[rows.gamma, j])
+            place = vec(*[x[d] for d in ti.static(range(dimensions))])
+            heading = vec(*[e[d] for d in ti.static(range(dimensions))])
+            found = search.run(medium, k, image, place, heading, f[rows.gamma][j])
             m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
             mate = (mode == int(Mode.BETWEEN)) & same(m, image_m, found.near, found.image)
             other = not (same(k, image, found.near, found.image) | mate)
@@ -47,20 +61,20 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
         """Whether the swimmer is in the contact band of the colloid of its encounter."""
         r = x + get(f, rows.bound_offset, j)
         R = to.distance(r)
-        least, _ = height_and_slope(to.sine(r, e, R), f[rows.gamma, j], f[rows.bound_A, j])
-        return R - f[rows.bound_A, j] - least <= ti.max(rules.contact_band, rules.tolerance)
+        least, _ = height_and_slope(to.sine(r, e, R), f[rows.gamma][j], f[rows.bound_A][j])
+        return R - f[rows.bound_A][j] - least <= ti.max(rules.contact_band, rules.tolerance)
 
     @ti.func
     def passed(f: ti.template(), n: ti.template(), j, rules: ti.template(), x, e, mode, low, grip):
         """Whether the swimmer touches, gets loose, crosses the edge of the contact band, escapes, or passes a pitch."""
         R = to.distance(x)
-        least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma, j], f[rows.A, j])
-        sunk = R - f[rows.A, j] - least < -real(AT_WALL) * R
+        least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma][j], f[rows.A][j])
+        sunk = R - f[rows.A][j] - least < -real(AT_WALL) * R
         r = x + get(f, rows.bound_offset, j)
         distance = to.distance(r)
-        bound = n[Int.PHASE, j] == int(Phase.BOUND)
-        left = bound & (distance - f[rows.bound_A, j] > rules.escape_height)
-        pitched = (n[LaneInt.WATCH_PITCH, j] != 0) & (to.sine(r, e, distance) > f[rows.escape_sine, j])
+        bound = n[Int.PHASE][j] == int(Phase.BOUND)
+        left = bound & (distance - f[rows.bound_A][j] > rules.escape_height)
+        pitched = (n[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > f[rows.escape_sine][j])
         crossed = bound & (is_low(f, j, rules, x, e) != low)
         loose = (mode != int(Mode.FREE)) & (grip < real(0.0))
         return loose | ((mode != int(Mode.HELD)) & sunk) | crossed | left | pitched
@@ -70,9 +84,9 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
 
 @cache
 def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool, surface: Surface):
-    """Return `step(f, n, j, i, swimmers, medium, rules, n_steps)`, which moves lane j if it waits for nothing."""
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lane if it waits for nothing."""
     rows = real_rows(dimensions)
-    get, put = make_vectors(dimensions)
+    get, (_, put) = make_get(dimensions), make_vectors(dimensions)
     stride = make_stride(rate, real, dimensions, surface)
     book = make_book(real, dimensions, surface, "located")
     switched, passed, is_low = make_passed(real, dimensions, height_and_slope, contact_height, sphere, surface)
@@ -83,12 +97,12 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
         """What holds the swimmer, and how fast it approaches the wall."""
         R = to.distance(x)
         least, _ = height_and_slope(to.sine(x, e, R), gamma, A)
-        _, _, push, pinch = rate(x, e, A, mate, f[rows.mate_A, j], law, gamma, int(Mode.FREE))
+        _, _, push, pinch = rate(x, e, A, mate, f[rows.mate_A][j], law, gamma, int(Mode.FREE))
         held = (R - A - least <= real(AT_WALL) * R) & (push >= real(0.0))
         mode = ti.select(held, int(Mode.HELD), int(Mode.FREE))
         r = x + mate
-        level = ti.abs(R - A - to.distance(r) + f[rows.mate_A, j]) <= real(BETWEEN)
-        between = (n[LaneInt.BETWEEN, j] != 0) & (not held) & level & (pinch > real(0.0))
+        level = ti.abs(R - A - to.distance(r) + f[rows.mate_A][j]) <= real(BETWEEN)
+        between = (n[LaneInt.BETWEEN][j] != 0) & (not held) & level & (pinch > real(0.0))
         return ti.select(between, int(Mode.BETWEEN), mode), push
 
     @ti.func
@@ -97,7 +111,7 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
         r = x + mate
         R, R1 = to.distance(x), to.distance(r)
         across = to.normal(x, R) - to.normal(r, R1)
-        return x - ((R - A - R1 + f[rows.mate_A, j]) / across.dot(across)) * across
+        return x - ((R - A - R1 + f[rows.mate_A][j]) / across.dot(across)) * across
 
     @ti.func
     def turns_back(x, e, A, gamma, tau, push0, push1):
@@ -110,8 +124,8 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
     def travel(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                rules: ti.template(), whole):  # fmt: skip
         """The longest move up to `whole` that is accurate, and ends just behind the first event in it."""
-        x0, e0, A, gamma = get(f, rows.x, j), get(f, rows.e, j), f[rows.A, j], f[rows.gamma, j]
-        law = ti.Vector([f[rows.alpha + k, j] for k in ti.static(range(4))])
+        x0, e0, A, gamma = get(f, rows.x, j), get(f, rows.e, j), f[rows.A][j], f[rows.gamma][j]
+        law = ti.Vector([f[rows.alpha + k][j] for k in ti.static(range(4))])
         mate = get(f, rows.mate_offset, j)
         mode, push0 = mode_of(f, n, j, x0, e0, A, mate, law, gamma)
         started_low = is_low(f, j, rules, x0, e0)
@@ -120,7 +134,7 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
         halvings, going = -1, True  # -1: no event known
         while going:
             x, e, pushed, distance, grip, error = stride(
-                rules.tableau, x0, e0, other, A, mate, f[rows.mate_A, j], law, gamma, mode, tau
+                rules.tableau, x0, e0, other, A, mate, f[rows.mate_A][j], law, gamma, mode, tau
             )  # fmt: skip
             e /= ti.sqrt(e.dot(e))
             long = tau > real(SHORTEST) * rules.dt
@@ -146,33 +160,34 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
                 else:
                     halvings += 1
                     tau = ti.select(halvings == HALVINGS, high, real(0.5) * (low + high))
-        f[rows.trial_push, j] = ti.select((mode == int(Mode.HELD)) & (n[LaneInt.OWN, j] != 0), pushed, real(0.0))
-        f[rows.trial_height, j] = (distance - tau * f[rows.bound_A, j]) / rules.dt
-        n[LaneInt.LOW, j] = ti.cast(started_low, ti.i32)
+        f[rows.trial_push][j] = ti.select((mode == int(Mode.HELD)) & (n[LaneInt.OWN][j] != 0), pushed, real(0.0))
+        f[rows.trial_height][j] = (distance - tau * f[rows.bound_A][j]) / rules.dt
+        n[LaneInt.LOW][j] = ti.cast(started_low, ti.i32)
         x = ti.select(mode == int(Mode.BETWEEN), level(f, j, x, A, mate), x)
         return x, e, mode == int(Mode.HELD), tau
 
     @ti.func
-    def step(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), n_steps):  # fmt: skip
-        if (n[Int.EVENT, j] == 0) & (n[Int.STEP, j] < n_steps):
-            clock = f[rows.clock, j]
+        j, i = 0, ti.cast(swimmer[0], ti.i32)
+        if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
+            clock = f[rows.clock][j]
             whole = rules.dt * (real(1.0) - clock)
             x, e, held, tau = travel(f, n, j, i, swimmers, medium, rules, whole)
-            A = f[rows.A, j]
+            A = f[rows.A][j]
             R = to.distance(x)
-            least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma, j], A)
+            least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma][j], A)
             touch = held | (R - A - least <= real(AT_WALL) * R)
             x = ti.select(touch, to.at(x, R, A + least), x)
             put(f, rows.trial_x, j, x)
             put(f, rows.trial_e, j, e)
-            f[rows.trial_clock, j] = ti.select(tau < whole, clock + tau / rules.dt, real(1.0))
-            n[LaneInt.TOUCH, j] = ti.cast(touch, ti.i32)
+            f[rows.trial_clock][j] = ti.select(tau < whole, clock + tau / rules.dt, real(1.0))
+            n[LaneInt.TOUCH][j] = ti.cast(touch, ti.i32)
             moved = x - get(f, rows.reference, j)
-            within = moved.dot(moved) <= f[rows.budget, j]  # false for a position that is not finite
-            n[Int.EVENT, j] |= ti.select(within, 0, int(Event.FINISH))
+            within = moved.dot(moved) <= f[rows.budget][j]  # false for a position that is not finite
+            n[Int.EVENT][j] |= ti.select(within, 0, int(Event.FINISH))
             if ti.static(not sphere):  # within its budget a rod is out of contact with every other colloid
-                least = ti.select(n[LaneInt.OWN, j] != 0, least, real(-FAR))
-            book(f, n, j, within, rules, least)
+                least = ti.select(n[LaneInt.OWN][j] != 0, least, real(-FAR))
+            book(f, n, within, rules, least)
 
     return step

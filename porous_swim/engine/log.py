@@ -70,14 +70,14 @@ def make_log(real, dimensions: int):
 
     @ti.func
     def write(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), slot, step):
-        release = ti.cast(n[LaneInt.RELEASE, j], ti.i64)
-        if n[LaneInt.RELEASE, j] >= 0:
-            release += step - n[Int.STEP, j]
+        release = ti.cast(n[LaneInt.RELEASE][j], ti.i64)
+        if n[LaneInt.RELEASE][j] >= 0:
+            release += step - n[Int.STEP][j]
         else:  # the wall was last touched in an earlier launch, or never
             release = swimmers.long[int(Long.RELEASE), i]
         log.long[slot, int(LogLong.RELEASE)] = release
         log.long[slot, int(LogLong.PITCH)] = swimmers.long[int(Long.PITCH), i]
-        log.long[slot, int(LogLong.N_CONTACT)] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT, j]
+        log.long[slot, int(LogLong.N_CONTACT)] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
         x, e = get(f, rows.x, j) + get(f, rows.bound_offset, j), get(f, rows.e, j)
         for d in ti.static(range(dimensions)):
             log.real[slot, columns.entry_x + d] = swimmers.real[rows.entry_x + d, i]
@@ -85,7 +85,7 @@ def make_log(real, dimensions: int):
             log.real[slot, columns.exit_x + d] = x[d]
             log.real[slot, columns.exit_e + d] = e[d]
         for column, row in ti.static(pairs):
-            log.real[slot, column] = f[row, j]
+            log.real[slot, column] = f[row][j]
 
     @ti.func
     def log_row(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), step, late):
@@ -97,9 +97,9 @@ def make_log(real, dimensions: int):
             for d in ti.static(range(3)):
                 log.int[slot, int(LogInt.IMAGE) + d] = swimmers.int[int(Int.BOUND_IMAGE) + d, i]
             log.long[slot, int(LogLong.START)] = swimmers.long[int(Long.START), i]
-            log.real[slot, columns.end_clock] = f[rows.clock, j]
+            log.real[slot, columns.end_clock] = f[rows.clock][j]
             if late:
-                log.real[slot, columns.pitch_clock] = f[rows.clock, j]
+                log.real[slot, columns.pitch_clock] = f[rows.clock][j]
                 log.long[slot, int(LogLong.END)] = ti.i64(-1)
                 log.long[slot, int(LogLong.PITCH)] = step
             else:

@@ -12,6 +12,7 @@ from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
 from porous_swim.physics.surface import Surface
+from porous_swim.physics.vectors import vec
 
 HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
 PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
@@ -25,7 +26,7 @@ def _drift_kernel(law: type, real: object, surface: Surface):
     @ti.kernel
     def probe(x: Vectors, e: Vectors, A: Numbers, alpha: real, Gamma: real, velocity: Vectors, rate: Vectors):
         for i in range(A.shape[0]):
-            r, d = ti.Vector([x[i, 0], x[i, 1], x[i, 2]]), ti.Vector([e[i, 0], e[i, 1], e[i, 2]])
+            r, d = vec(x[i, 0], x[i, 1], x[i, 2]), vec(e[i, 0], e[i, 1], e[i, 2])
             u, w = drift(r, d, A[i], alpha, Gamma)
             for k in ti.static(range(3)):
                 velocity[i, k], rate[i, k] = d[k] + u[k], w[k]

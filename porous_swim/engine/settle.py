@@ -8,8 +8,9 @@ import taichi as ti
 from porous_swim.engine.book import make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, Status, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
-from porous_swim.obstacles.search import ivec3, make_between, make_search
+from porous_swim.obstacles.search import make_between, make_search
 from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.vectors import pick, vec
 
 MAX_PROJECTIONS = 8
 MAX_IMAGE = 2**30
@@ -33,11 +34,12 @@ def make_project(real, surface: Surface):
         rho = d.dot(d)
         a = real(0.5) * (rho + radius * radius - radius1 * radius1) / rho
         v = y - c
-        v -= v.dot(d) / rho * d
+        across = v - d * (v.dot(d) / rho)
         square = radius * radius - a * a * rho
-        out = v.dot(v)
+        out = across.dot(across)
         meet = (square > real(0.0)) & (out > real(0.0))
-        return ti.select(meet, c + a * d + v * ti.sqrt(ti.max(square, real(0.0)) / out), on_sphere(y, c, radius))
+        both = c + d * a + across * ti.sqrt(ti.max(square, real(0.0)) / out)
+        return pick(meet, both, on_sphere(y, c, radius))
 
     return on_sphere, on_circle
 
@@ -58,9 +60,10 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool, surface: S
     to = make_surface(real, surface)
 
     @ti.func
-    def resolve(medium: ti.template(), k, image, y, y_old, e, e_old, gamma, tolerance):
-        last, last_image, before, before_image = -1, ivec3(0), -1, ivec3(0)
-        c_last, radius_last = real(0.0) * y, real(0.0)
+    def resolve(medium: ti.template(), k, image, y_trial, y_old, e_trial, e_old, gamma, tolerance):
+        y, e = y_trial.variable(), e_trial.variable()
+        last, last_image, before, before_image = -1, vec(0, 0, 0).variable(), -1, vec(0, 0, 0).variable()
+        c_last, radius_last = (y * real(0.0)).variable(), real(0.0)
         found = search.empty()
         tries, inside = 0, True
         while inside:
@@ -73,8 +76,8 @@ def make_resolve(real, dimensions: int, contact_height, sphere: bool, surface: S
                 A = medium.radius[j]
                 radius = A + contact_height(to.sine(v, e, to.distance(v)), gamma, A)
                 back = same(j, image_j, before, before_image)
-                y = ti.select(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
-                y, e = ti.select(tries == MAX_PROJECTIONS, y_old, y), ti.select(tries == MAX_PROJECTIONS, e_old, e)
+                y = pick(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
+                y, e = pick(tries == MAX_PROJECTIONS, y_old, y), pick(tries == MAX_PROJECTIONS, e_old, e)
                 before, before_image = last, last_image
                 last, last_image, c_last, radius_last = j, image_j, c, radius
             tries += 1
@@ -103,8 +106,8 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         """Book the part of a projection that leads away from the colloid of the encounter."""
         moved, r = z - y, z + get(f, rows.bound_offset, j)
         if moved.dot(moved) > real(0.0):
-            put(f, rows.trial_rest, j, real(0.0) * y)
-            f[rows.trial_push, j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
+            put(f, rows.trial_rest, j, y * real(0.0))
+            f[rows.trial_push][j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
 
     @ti.func
     def set_budget(f: ti.template(), j, i, y, found, swimmers: ti.template(), rules: ti.template()):
@@ -117,7 +120,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         if ti.static(reflected):  # a later touch is that of the nearest
             struck, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
             budget = ti.select(same(struck, image, found.near, found.image), budget, real(0.0))
-        f[rows.budget, j] = budget * budget
+        f[rows.budget][j] = budget * budget
         put(f, rows.reference, j, y)
 
     @ti.func
@@ -130,19 +133,19 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         `push_k` is the colloid whose reflecting wall has pushed the swimmer on its way; -1 if none.
         """
         deep = found.depth >= -tolerance
-        k, image = found.near, found.image
+        k, image = found.near, found.image.variable()
         if ti.static(reflected):
             pushed = (before < 0) & (push_k >= 0)
-            before, before_image = ti.select(pushed, push_k, before), ti.select(pushed, push_image, before_image)
-            k, image = ti.select(push_k >= 0, push_k, k), ti.select(push_k >= 0, push_image, image)
-        k, image = ti.select(deep, found.deep, k), ti.select(deep, found.deep_image, image)
+            before, before_image = ti.select(pushed, push_k, before), pick(pushed, push_image, before_image)
+            k, image = ti.select(push_k >= 0, push_k, k), pick(push_k >= 0, push_image, image)
+        k, image = ti.select(deep, found.deep, k), pick(deep, found.deep_image, image)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
-        bound = n[Int.PHASE, j] == int(Phase.BOUND)
+        bound = n[Int.PHASE][j] == int(Phase.BOUND)
         other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
-        k, image = ti.select(other, before, k), ti.select(other, before_image, image)
+        k, image = ti.select(other, before, k), pick(other, before_image, image)
         other = bound & (last >= 0) & (not same(last, last_image, b, image_b))
         swimmers.int[int(Int.STRUCK), i] = ti.select(other, last, k)
-        put_image(swimmers, int(Int.STRUCK_IMAGE), i, ti.select(other, last_image, image))
+        put_image(swimmers, int(Int.STRUCK_IMAGE), i, pick(other, last_image, image))
 
     @ti.func
     def pair(i, swimmers: ti.template(), found, k, image):
@@ -151,12 +154,12 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         mate = ti.select(found.second - found.first > real(BETWEEN), -1, swimmers.int[int(Int.MATE), i])
         image_m = image_of(swimmers, int(Int.MATE_IMAGE), i)
         swimmers.int[int(Int.MATE), i] = ti.select(stays, mate, k)
-        put_image(swimmers, int(Int.MATE_IMAGE), i, ti.select(stays, image_m, image))
+        put_image(swimmers, int(Int.MATE_IMAGE), i, pick(stays, image_m, image))
 
     @ti.func
     def stop(n: ti.template(), j, i, swimmers: ti.template(), status: ti.template()):
         swimmers.int[int(Int.STATUS), i] = int(status)
-        n[Int.EVENT, j] = int(Event.HALT)
+        n[Int.EVENT][j] = int(Event.HALT)
 
     @ti.func
     def settle(
@@ -170,7 +173,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             z, d, found, last, last_image, before, before_image = resolve(
-                medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma, j], rules.tolerance
+                medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma][j], rules.tolerance
             )
             push_off(f, j, y, z)
             if ti.static(integrator == "located"):
@@ -183,7 +186,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
                 put_image(swimmers, int(Int.IMAGE), i, found.image)
             pushed = False
             if ti.static(reflected):
-                pushed = n[LaneInt.TOUCH, j] != 0
+                pushed = n[LaneInt.TOUCH][j] != 0
             strike(
                 n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image,
                 ti.select(pushed, k, -1), image,
@@ -191,7 +194,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             set_budget(f, j, i, z, found, swimmers, rules)
             put(f, rows.trial_x, j, z)
             put(f, rows.trial_e, j, d)
-            n[LaneInt.TOUCH, j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
+            n[LaneInt.TOUCH][j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
                     stop(n, j, i, swimmers, Status.OUTSIDE)

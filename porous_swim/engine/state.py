@@ -67,6 +67,7 @@ class LaneInt(IntEnum):
     RELEASE = 8  # step after which the wall was last touched, of this launch; -1 if none
     LOW = 9  # a located move began in the contact band
     BETWEEN = 10  # there is a mate
+    SETTLED = 11  # the trial move has been settled and is to be booked
 
 
 class Long(IntEnum):

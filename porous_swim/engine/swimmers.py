@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
-from porous_swim.obstacles.search import ivec3
+from porous_swim.physics.vectors import vec
 
 
 class Swimmers(NamedTuple):
@@ -37,7 +37,7 @@ class Rules(NamedTuple):
 @ti.func
 def image_of(swimmers: ti.template(), row: ti.template(), i):
     """The periodic image in three rows of swimmer i."""
-    return ivec3(swimmers.int[row, i], swimmers.int[row + 1, i], swimmers.int[row + 2, i])
+    return vec(swimmers.int[row, i], swimmers.int[row + 1, i], swimmers.int[row + 2, i])
 
 
 @ti.func

@@ -9,9 +9,7 @@ import taichi as ti
 
 from porous_swim.obstacles.cells import FIXED_BITS
 from porous_swim.physics.surface import Surface, make_surface
-
-ivec3 = ti.types.vector(3, ti.i32)
-lvec3 = ti.types.vector(3, ti.i64)
+from porous_swim.physics.vectors import record, vec
 
 
 class Medium(NamedTuple):
@@ -31,7 +29,7 @@ def make_between(real, dimensions: int):
 
     @ti.func
     def between(medium: ti.template(), k, image_k, j, image_j):
-        v = ti.Vector([real(0.0) for _ in ti.static(range(dimensions))])
+        v = vec(*[real(0.0) for _ in ti.static(range(dimensions))])
         for d in ti.static(range(dimensions)):
             n = medium.center[j, d] - medium.center[k, d]
             n += ti.cast(image_j[d] - image_k[d], ti.i64) << ti.i64(FIXED_BITS)
@@ -51,14 +49,11 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
     colloid into which the swimmer reaches deepest, with the depth (negative: free). Distances in a.
     """
     to = make_surface(real, surface)
-    Found = ti.types.struct(
-        near=ti.i32, image=ivec3, first=real, second=real, deep=ti.i32, deep_image=ivec3, depth=real
-    )
 
     @ti.func
     def fixed_position(medium: ti.template(), k, y):
         """Position in units of the fixed point, seen from the box of that image; and whether a cell covers it."""
-        p = lvec3(0)
+        p = vec(ti.i64(0), ti.i64(0), ti.i64(0))
         covered = 1
         for d in ti.static(range(dimensions)):
             n = y[d] * medium.scale[1, d]
@@ -70,15 +65,15 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
 
     @ti.func
     def empty():
-        none = ivec3(0)
-        return Found(
+        none = vec(0, 0, 0)
+        return record(
             near=-1, image=none, first=real(1e30), second=real(1e30), deep=-1, deep_image=none, depth=real(-1e30)
         )
 
     @ti.func
     def run(medium: ti.template(), k, image, y, e, gamma):
         p, covered = fixed_position(medium, k, y)
-        box = ivec3(0)
+        box = vec(0, 0, 0)
         cell = 0
         if covered != 0:
             for d in ti.static(range(dimensions)):
@@ -95,8 +90,8 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
             j, packed = m, 0x808080
             if covered != 0:
                 j, packed = medium.candidate[m, 0], medium.candidate[m, 1]
-            v = ti.Vector([real(0.0) for _ in ti.static(range(dimensions))])
-            shift = ivec3(0)
+            v = vec(*[real(0.0) for _ in ti.static(range(dimensions))])
+            shift = vec(0, 0, 0)
             for d in ti.static(range(dimensions)):
                 shift[d] = ((packed >> (8 * d)) & 0xFF) - 128
                 if covered != 0:

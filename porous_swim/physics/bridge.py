@@ -14,8 +14,8 @@ NEAREST = 1e-6  # a, of a distance to divide by: a free swimmer may stand where 
 def reflection(g0, g1, variance, excursion):
     """How far a wall at 0 pushes a path from g0 to g1 (both as if free): minus its lowest point where that is below."""
     rise = g1 - g0
-    lowest = g0 + g1 - ti.sqrt(rise * rise + variance * excursion)
-    return ti.max(-lowest, 0.0) * 0.5
+    twice = ti.sqrt(rise * rise + variance * excursion) - (g0 + g1)
+    return ti.max(twice, 0.0) * 0.5
 
 
 @ti.func

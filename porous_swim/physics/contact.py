@@ -61,22 +61,21 @@ class HardContact(Part):
 
         @ti.func
         def height_and_slope(s, gamma, A):
-            h, slope = real(1.0), real(0.0)
-            if ti.static(shape != "sphere"):
-                up = ti.min(ti.abs(s), real(1.0))
-                along = ti.sqrt(real(1.0) - up * up)
-                c, w = normal(up, along, gamma, A)
-                g = gamma * gamma
-                S = ti.sqrt(c * c + g * w * w)
-                turn = -(real(1.0) - g) * c * w / S  # S'(p)
-                R = ti.sqrt((S + A) * (S + A) + turn * turn)
-                h = (S * S + turn * turn + real(2.0) * A * S) / (R + A)  # R - A without cancellation
-                # dh/dtheta = -R S'/(A + S), over cos(theta); at the tip w/cos(theta) from the condition of contact
-                tip = c * (A * S + real(1.0)) / ti.max((A * S + g) * up, real(1e-30))
-                ratio = ti.select(up > along, tip, w / ti.max(along, real(1e-30)))
-                slope = ti.select(s < real(0.0), real(-1.0), real(1.0))
-                slope *= R * (real(1.0) - g) * c * ratio / (S * (A + S))
-            return h, slope
+            if ti.static(shape == "sphere"):
+                return real(1.0), real(0.0)
+            up = ti.min(ti.max(s, s * real(-1.0)), real(1.0))
+            along = ti.sqrt(real(1.0) - up * up)
+            c, w = normal(up, along, gamma, A)
+            g = gamma * gamma
+            S = ti.sqrt(c * c + g * w * w)
+            turn = (g - real(1.0)) * c * w / S  # S'(p)
+            R = ti.sqrt((S + A) * (S + A) + turn * turn)
+            h = (S * S + turn * turn + real(2.0) * A * S) / (R + A)  # R - A without cancellation
+            # dh/dtheta = -R S'/(A + S), over cos(theta); at the tip w/cos(theta) from the condition of contact
+            tip = c * (A * S + real(1.0)) / ti.max((A * S + g) * up, real(1e-30))
+            ratio = ti.select(up > along, tip, w / ti.max(along, real(1e-30)))
+            sign = ti.select(s < real(0.0), real(-1.0), real(1.0))
+            return h, sign * (R * (real(1.0) - g) * c * ratio / (S * (A + S)))
 
         return height_and_slope
 
@@ -124,7 +123,7 @@ def make_normal(real, shape: Shape):
         df = da * m - (w * a * along + c * b * up)
         dda = cube * (c * c - w * w) + real(3.0) * k * da * c * w * inverse * inverse
         ddf = dda * m - real(2.0) * da * (w * along + g * c * up) - f
-        turn = -f * df / (df * df - real(0.5) * f * ddf)
+        turn = f * df / (real(0.5) * f * ddf - df * df)
         return unit(c - w * turn, w + c * turn)
 
     @ti.func

@@ -5,7 +5,7 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.physics.noise import make_kick, make_turn
+from porous_swim.physics.noise import make_kick, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
 
 
@@ -17,18 +17,18 @@ def make_euler(drift, real, dimensions: int, variates: str | None):
     """
     noisy = variates is not None
     kick = make_kick(real, dimensions, variates)
+    moves, turns = make_shares(dimensions)
     turn = make_turn(real, dimensions)
 
     @ti.func
     def move(x, e, A, law, dt, swimmer, step_low, step_high, k0, k1):
         velocity, rate = drift(x, e, A, law[0], law[1])
-        dx = dt * (e + velocity)
-        n = e + dt * rate
-        n = n / ti.sqrt(n.dot(n))
-        if ti.static(noisy):
-            g = kick(swimmer, step_low, step_high, k0, k1)
-            dx += rounded(law[2] * ti.Vector([g[d] for d in ti.static(range(dimensions))]))
-            n = turn(n, law[3] * ti.Vector([g[3 + d] for d in ti.static(range(2 * dimensions - 3))]))
-        return dx, n
+        dx = (e + velocity) * dt
+        m = e + rate * dt
+        n = m / ti.sqrt(m.dot(m))
+        if ti.static(not noisy):
+            return dx, n
+        g = kick(swimmer, step_low, step_high, k0, k1)
+        return dx + rounded(moves(g) * law[2]), turn(n, turns(g) * law[3])
 
     return move

@@ -30,9 +30,9 @@ def make_plane_drift(real):
         n, s = to.normal(x, h), to.sine(x, e, h)
         q = s * s
         k = real(0.375) * alpha / (h * h)
-        velocity = k * ((real(3.0) * q - real(1.0)) * n + real(2.0) * s * (e - s * n))
-        turn = -k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
-        return velocity, turn * (n - s * e)
+        velocity = (n * (real(3.0) * q - real(1.0)) + (e - n * s) * (real(2.0) * s)) * k
+        turn = real(-1.0) * k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
+        return velocity, (n - e * s) * turn
 
     return drift
 
@@ -49,7 +49,7 @@ class NoHydrodynamics(Part):
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):
-            return real(0.0) * x, real(0.0) * e
+            return x * real(0.0), e * real(0.0)
 
         return drift
 
@@ -81,11 +81,11 @@ class ImageDipole(Part):
             b = a * (real(3.0) - a)
             q = s * s * i_rho
             k = real(1.5) * alpha * A * i_H * i_H
-            velocity = k * ((real(3.0) * q - real(1.0) - b * q) * x + b * s * e)
+            velocity = (x * (real(3.0) * q - real(1.0) - b * q) + e * (b * s)) * k
             P = ((real(5.0) * a - real(17.0)) * a + real(22.0)) * a - real(6.0)
             P += q * (((real(29.0) - real(9.0) * a) * a - real(34.0)) * a + real(18.0))
             w = k * rho * i_H * (b + real(0.25) * Gamma * P)
-            return velocity, w * (q * e - s * i_rho * x)
+            return velocity, (e * q - x * (s * i_rho)) * w
 
         return drift
 
@@ -116,10 +116,10 @@ class NearWall(Part):
             s, h = n.dot(e), R - A
             q = s * s
             k = real(0.375) * alpha / (h * h)
-            velocity = k * ((real(3.0) * q - real(1.0)) * n + real(2.0) * s * (e - s * n))
+            velocity = (n * (real(3.0) * q - real(1.0)) + (e - n * s) * (real(2.0) * s)) * k
             turn = real(1.0) / A - (real(1.0) + real(2.0) * k * s) / R
             turn -= k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
-            return velocity, turn * (n - s * e)
+            return velocity, (n - e * s) * turn
 
         return drift
 

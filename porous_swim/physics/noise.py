@@ -16,6 +16,7 @@ from porous_swim.parts import Diffusivity, Part, RotationalDiffusivity
 from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.physics.philox import philox
 from porous_swim.physics.variates import BITS, cut, gaussian_pair, minus_two_log, split, uniform
+from porous_swim.physics.vectors import vec
 
 
 class Stream(IntEnum):
@@ -59,49 +60,61 @@ Noise = NoNoise | Brownian
 
 @cache
 def make_kick(real, dimensions: int, variates: str):
-    """Return `kick(swimmer, step_low, step_high, k0, k1) -> (six,)` independent variates of variance 1.
+    """Return `kick(swimmer, step_low, step_high, k0, k1)`, a list of independent variates of variance 1.
 
-    The first `dimensions` are for the position, the rest for the director. All words are u32.
+    The first `dimensions` of the 2 `dimensions` are for the position, those from the fourth on for the director. All
+    words are u32, and `swimmer` and the two of the step are of one kind: numbers, or wide values.
     """
 
     @ti.func
     def kick(swimmer, step_low, step_high, k0, k1):
-        words = philox(step_low, step_high, swimmer, ti.u32(int(Stream.KICK)), k0, k1)
+        words = philox(step_low, step_high, swimmer, swimmer * ti.u32(0) + ti.u32(int(Stream.KICK)), k0, k1)
         i = split(words[0], words[1], words[2], words[3])
-        n = ti.Vector([ti.f32(0.0) for _ in ti.static(range(6))])
         if ti.static(variates == "uniform"):
-            n = ti.Vector([uniform(i[k], BITS) for k in ti.static(range(6))])
-        else:
-            for k in ti.static(range(0, 2 * dimensions, 2)):
-                n[k], n[k + 1] = gaussian_pair(i[k], BITS, i[k + 1], BITS)
-        return ti.cast(n, real)
+            return [uniform(i[k], BITS) * real(1.0) for k in ti.static(range(2 * dimensions))]
+        pairs = [gaussian_pair(i[2 * k], BITS, i[2 * k + 1], BITS) for k in ti.static(range(dimensions))]
+        return [pairs[k // 2][k % 2] * real(1.0) for k in ti.static(range(2 * dimensions))]
 
     return kick
 
 
 @cache
 def make_draw(real, dimensions: int, variates: str):
-    """Return `draw(swimmer, step_low, step_high, k0, k1) -> (six,), excursion, excursion`.
+    """Return `draw(swimmer, step_low, step_high, k0, k1) -> variates, excursion, excursion`.
 
     Like `kick`, and twice -2 ln U for the farthest points of the paths within a step: up to 23.6, from 16 bits.
     """
 
     @ti.func
     def draw(swimmer, step_low, step_high, k0, k1):
-        words = philox(step_low, step_high, swimmer, ti.u32(int(Stream.KICK)), k0, k1)
-        n = ti.Vector([ti.f32(0.0) for _ in ti.static(range(6))])
-        if ti.static(variates == "uniform"):
-            for k in ti.static(range(3)):
-                high, low = cut(words[k], 16)
-                n[2 * k], n[2 * k + 1] = uniform(high, 16), uniform(low, 16)
-        else:
-            for k in ti.static(range(dimensions)):
-                high, low = cut(words[k], 12)
-                n[2 * k], n[2 * k + 1] = gaussian_pair(high, 20, low, 12)
+        words = philox(step_low, step_high, swimmer, swimmer * ti.u32(0) + ti.u32(int(Stream.KICK)), k0, k1)
         high, low = cut(words[3], 16)
-        return ti.cast(n, real), ti.cast(minus_two_log(high, 16), real), ti.cast(minus_two_log(low, 16), real)
+        deep, aside = minus_two_log(high, 16) * real(1.0), minus_two_log(low, 16) * real(1.0)
+        if ti.static(variates == "uniform"):
+            halves = [cut(words[k], 16) for k in ti.static(range(dimensions))]
+            n = [uniform(halves[k // 2][k % 2], 16) * real(1.0) for k in ti.static(range(2 * dimensions))]
+            return n, deep, aside
+        parts = [cut(words[k], 12) for k in ti.static(range(dimensions))]
+        pairs = [gaussian_pair(parts[k][0], 20, parts[k][1], 12) for k in ti.static(range(dimensions))]
+        n = [pairs[k // 2][k % 2] * real(1.0) for k in ti.static(range(2 * dimensions))]
+        return n, deep, aside
 
     return draw
+
+
+@cache
+def make_shares(dimensions: int):
+    """Return `moves(g)` and `turns(g)`: the variates of `kick` or `draw` that are for the position and the director."""
+
+    @ti.func
+    def moves(g: ti.template()):
+        return vec(*[g[d] for d in ti.static(range(dimensions))])
+
+    @ti.func
+    def turns(g: ti.template()):
+        return vec(*[g[3 + d] for d in ti.static(range(2 * dimensions - 3))])
+
+    return moves, turns
 
 
 @cache
@@ -115,13 +128,13 @@ def make_turn(real, dimensions: int):
 
         @ti.func
         def tangential(e, w):
-            return w[0] * ti.Vector([-e[1], e[0]])
+            return vec(e[1] * real(-1.0), e[0]) * w[0]
 
     else:
 
         @ti.func
         def tangential(e, w):
-            return w - w.dot(e) * e
+            return w - e * w.dot(e)
 
     @ti.func
     def turn(e, w):
@@ -129,7 +142,7 @@ def make_turn(real, dimensions: int):
         q = d.dot(d)
         sine = real(1.0) - q * (real(1 / 6) - q * (real(1 / 120) - q * (real(1 / 5040) - q * real(1 / 362880))))
         cosine = real(1.0) - q * (real(0.5) - q * (real(1 / 24) - q * (real(1 / 720) - q * real(1 / 40320))))
-        n = cosine * e + sine * d
+        n = e * cosine + d * sine
         return n / ti.sqrt(n.dot(n))
 
     return turn

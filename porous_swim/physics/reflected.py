@@ -12,9 +12,10 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.physics.bridge import NEAREST, reflection
-from porous_swim.physics.noise import make_draw, make_turn
+from porous_swim.physics.noise import make_draw, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.vectors import vec
 
 
 @cache
@@ -24,7 +25,7 @@ def make_twist(dimensions: int):
 
         @ti.func
         def twist(e, rate):
-            return ti.Vector([rounded(e[0] * rate[1]) - rounded(e[1] * rate[0])])
+            return vec(rounded(e[0] * rate[1]) - rounded(e[1] * rate[0]))
 
     else:
 
@@ -43,14 +44,16 @@ def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope
     director; the gap at the start, its variance over the step and its excursion; and the excursion of the pitch.
     """
     draw = make_draw(real, dimensions, variates)
+    moves, turns = make_shares(dimensions)
     turn = make_turn(real, dimensions)
     twist = make_twist(dimensions)
     to = make_surface(real, surface)
+    n_turns = 2 * dimensions - 3
 
     @ti.func
     def turned(e, w):
         """The director turned; by at most one radian in each direction, as far as the series of `turn` goes."""
-        return turn(e, ti.max(real(-1.0), ti.min(w, real(1.0))))
+        return turn(e, vec(*[ti.max(real(-1.0), ti.min(w[d], real(1.0))) for d in ti.static(range(n_turns))]))
 
     @ti.func
     def predict(x, e, dx, de, A, gamma, gap0, least, slope, s0, variance, deep):
@@ -58,14 +61,13 @@ def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope
         e1, x1 = turned(e, de), x + dx
         R = to.distance(x1)
         out = ti.max(R, real(NEAREST))
-        least = ti.max(least + slope * (to.sine(x1, e1, out) - s0), gamma)
-        return x1 + to.along(x1, out, reflection(gap0, rounded(R - A - least), variance, deep)), e1
+        wall = ti.max(least + slope * (to.sine(x1, e1, out) - s0), gamma)
+        return x1 + to.along(x1, out, reflection(gap0, rounded(R - A - wall), variance, deep)), e1
 
     @ti.func
     def move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1):
         g, deep, aside = draw(swimmer, step_low, step_high, k0, k1)
-        kick = rounded(law[2] * ti.Vector([g[d] for d in ti.static(range(dimensions))]))
-        wobble = rounded(law[3] * ti.Vector([g[3 + d] for d in ti.static(range(2 * dimensions - 3))]))
+        kick, wobble = rounded(moves(g) * law[2]), rounded(turns(g) * law[3])
         R = to.distance(x)
         out = ti.max(R, real(NEAREST))
         s, bend = to.sine(x, e, out), to.bend(real(1.0), out)
@@ -76,11 +78,11 @@ def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope
         velocity, rate = drift(x, e, A, law[0], law[1])
         spin = twist(e, rate)
         x1, e1 = predict(
-            x, e, dt * (e + velocity) + kick, dt * spin + wobble, A, gamma, gap, least, slope, s, variance, deep
+            x, e, (e + velocity) * dt + kick, spin * dt + wobble, A, gamma, gap, least, slope, s, variance, deep
         )  # fmt: skip
         velocity1, rate1 = drift(x1, e1, A, law[0], law[1])
         half = real(0.5) * dt
-        dx = half * (e + velocity + (e1 + velocity1)) + kick
-        return dx, turned(e, half * (spin + twist(e1, rate1)) + wobble), gap, variance, deep, aside
+        dx = (e + velocity + (e1 + velocity1)) * half + kick
+        return dx, turned(e, (spin + twist(e1, rate1)) * half + wobble), gap, variance, deep, aside
 
     return move

@@ -61,7 +61,7 @@ def _plane(real) -> SimpleNamespace:
 
     @ti.func
     def along(x, R, length):
-        v = real(0.0) * x
+        v = x * real(0.0)
         v[x.n - 1] = length
         return v
 
@@ -71,7 +71,7 @@ def _plane(real) -> SimpleNamespace:
 
     @ti.func
     def at(x, R, distance):
-        y = x
+        y = x * real(1.0)
         y[x.n - 1] = distance
         return y
 

@@ -8,6 +8,8 @@ bits at any lane width.
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 import taichi as ti
 
+from porous_swim.physics.vectors import bit_cast
+
 BITS = 21
 SQRT_12 = 3.4641016151377544
 LOG_POLYNOMIAL = (
@@ -18,11 +20,12 @@ LOG_POLYNOMIAL = (
 
 @ti.func
 def split(w0, w1, w2, w3):
-    """Six signed integers in [0, 2^21) from four words (a signed conversion vectorises, an unsigned not)."""
+    """Six signed integers in [0, 2^21) from four words (vector instructions convert signed ones, unsigned not)."""
     low = ti.u32(0x7FF)
     i4 = ((w0 & low) << ti.u32(10)) | (w1 & ti.u32(0x3FF))
     i5 = ((w2 & low) << ti.u32(10)) | (w3 & ti.u32(0x3FF))
-    return ti.Vector([ti.cast(i, ti.i32) for i in (w0 >> 11, w1 >> 11, w2 >> 11, w3 >> 11, i4, i5)])
+    i0, i1, i2, i3 = w0 >> ti.u32(11), w1 >> ti.u32(11), w2 >> ti.u32(11), w3 >> ti.u32(11)
+    return [ti.cast(i, ti.i32) for i in ti.static((i0, i1, i2, i3, i4, i5))]
 
 
 @ti.func
@@ -35,23 +38,23 @@ def cut(w, low_bits: ti.template()):
 @ti.func
 def uniform(i, bits: ti.template()):
     """Uniform on [-sqrt 3, sqrt 3] from an integer of `bits` bits, at the middles of 2^bits intervals."""
-    return (ti.cast(i, ti.f32) - ti.f32(2 ** (bits - 1) - 0.5)) * ti.f32(SQRT_12 / 2**bits)
+    return (i * ti.f32(1.0) - ti.f32(2 ** (bits - 1) - 0.5)) * ti.f32(SQRT_12 / 2**bits)
 
 
 @ti.func
 def minus_two_log(i, bits: ti.template()):
     """-2 ln((i + 1/2) / 2^bits) for an integer of `bits` bits; relative error below 2e-7 (polynomial: Cephes logf)."""
-    pattern = ti.bit_cast(ti.cast(2 * i + 1, ti.f32), ti.i32)
+    pattern = bit_cast((2 * i + 1) * ti.f32(1.0), ti.i32)
     # the mantissa is brought to [sqrt(1/2), sqrt 2): subtract the bits of sqrt(1/2), keep the exponent
     shifted = pattern - ti.i32(0x3F3504F3)
     exponent = shifted >> 23
-    m = ti.bit_cast((shifted & ti.i32(0x007FFFFF)) + ti.i32(0x3F3504F3), ti.f32) - ti.f32(1.0)
-    p = ti.f32(7.0376836292e-2)
-    for c in ti.static(LOG_POLYNOMIAL):
+    m = bit_cast((shifted & ti.i32(0x007FFFFF)) + ti.i32(0x3F3504F3), ti.f32) - ti.f32(1.0)
+    p = m * ti.f32(7.0376836292e-2) + ti.f32(LOG_POLYNOMIAL[0])
+    for c in ti.static(LOG_POLYNOMIAL[1:]):
         p = p * m + ti.f32(c)
     square = m * m
     log_m = m - ti.f32(0.5) * square + square * m * p
-    return ti.f32(-2.0) * (log_m + ti.cast(exponent - (bits + 1), ti.f32) * ti.f32(0.69314718056))
+    return ti.f32(-2.0) * (log_m + (exponent - (bits + 1)) * ti.f32(0.69314718056))
 
 
 @ti.func
@@ -61,18 +64,19 @@ def circle(i, bits: ti.template()):
     Powers of the coordinates up to 2^bits - 1 have the means of a continuous angle.
     """
     octant = ti.static(1 << (bits - 3))
-    t = (ti.cast(i & (octant - 1), ti.f32) + ti.f32(0.5)) * ti.f32(0.7853981633974483 / octant)
+    t = ((i & (octant - 1)) * ti.f32(1.0) + ti.f32(0.5)) * ti.f32(0.7853981633974483 / octant)
     square = t * t
-    s = ti.f32(2.718311493989822e-6)
-    for c in ti.static((-1.98393348360966317e-4, 8.33332938588946317e-3, -1.66666666416265235e-1, 1.0)):
+    s = square * ti.f32(2.718311493989822e-6) + ti.f32(-1.98393348360966317e-4)
+    for c in ti.static((8.33332938588946317e-3, -1.66666666416265235e-1, 1.0)):
         s = s * square + ti.f32(c)
-    s *= t
-    c = ti.f32(2.44331571180948e-5)
-    for k in ti.static((-1.38873162549376e-3, 4.16666418707325e-2, -0.5, 1.0)):
+    s = s * t
+    c = square * ti.f32(2.44331571180948e-5) + ti.f32(-1.38873162549376e-3)
+    for k in ti.static((4.16666418707325e-2, -0.5, 1.0)):
         c = c * square + ti.f32(k)
     swap = (i & octant) != 0
     x, y = ti.select(swap, s, c), ti.select(swap, c, s)
-    return ti.select((i & (2 * octant)) != 0, -x, x), ti.select((i & (4 * octant)) != 0, -y, y)
+    x = ti.select((i & (2 * octant)) != 0, x * ti.f32(-1.0), x)
+    return x, ti.select((i & (4 * octant)) != 0, y * ti.f32(-1.0), y)
 
 
 @ti.func
