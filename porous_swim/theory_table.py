@@ -13,6 +13,7 @@ from porous_swim.analysis import theory
 from porous_swim.errors import SceneError
 
 ORDERS: tuple[Literal["exact"], Literal["leading"]] = ("exact", "leading")
+TRAPPING_ORDERS: tuple[Literal["integral"], Literal["estimate"]] = ("integral", "estimate")
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,10 @@ def _sliding(alpha: float, gamma: float, A: float) -> Iterator[Prediction]:
 
 
 def _trapping(alpha: float, gamma: float, A: float, D: float) -> Iterator[Prediction]:
-    D_r = 0.75 * D
-    yield Prediction("mean trapping time", "integral", theory.mean_trapping_time(alpha, A, D_r, gamma), "a/U")
-    with warnings.catch_warnings(record=True) as doubts:
-        warnings.simplefilter("always")
-        estimate = theory.mean_trapping_time(alpha, A, D_r, gamma, order="estimate")
-    yield Prediction("mean trapping time", "estimate", estimate, "a/U", "(out of its range)" if doubts else "")
+    for order in TRAPPING_ORDERS:
+        doubts = theory.trapping_doubts(alpha, A, 0.75 * D, gamma, order=order)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # the note says it
+            time = theory.mean_trapping_time(alpha, A, 0.75 * D, gamma, order=order)
+        note = f"(out of its range: {'; '.join(doubts)})" if doubts else ""
+        yield Prediction("mean trapping time", order, time, "a/U", note)
