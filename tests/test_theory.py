@@ -255,7 +255,17 @@ def test_the_command_says_why_neither_trapping_time_holds_for_the_swimmers_of_th
     ("argv", "sentence"),
     [
         (["--dipole-strength", "0.8", "--aspect-ratio", "2"], "theory: aspect_ratio: found 2"),
-        (["--dipole-strength", "0.8", "--radius", "-2"], "theory: radius: found -2"),
+        *(
+            (
+                ["--dipole-strength", "0.8", "--radius", radius],
+                f"theory: radius: found {radius}, allowed are numbers above 0, or inf for a plane wall",
+            )
+            for radius in ("-2", "0", "nan")
+        ),
+        (["--dipole-strength", "0.8", "--radius", "20", "--diffusion", "inf"], "theory: rotational_diffusion: found"),
+        (["--dipole-strength", "1e300"], "theory: found numbers whose powers are beyond double precision"),
+        (["--dipole-strength", "nan"], "theory: dipole_strength: found nan, allowed are finite numbers"),
+        (["--dipole-strength", "-inf"], "theory: dipole_strength: found -inf, allowed are finite numbers"),
         (["--dipole-strength", "0.8", "--diffusion", "0.1"], "theory: --diffusion needs a --radius"),
     ],
 )
@@ -264,3 +274,9 @@ def test_the_command_refuses_in_one_sentence(argv, sentence: str, tmp_path) -> N
     assert done.returncode == 2
     assert done.stderr.startswith(sentence)
     assert done.stderr.count("\n") == 1
+
+
+def test_the_command_prints_what_holds_beside_what_does_not(tmp_path) -> None:
+    table = porous_swim("theory", "--dipole-strength", "8", "--radius", "3", cwd=tmp_path).stdout
+    assert "1.69454 a" in table  # the exact critical radius
+    assert table.count("none (dipole_strength: found 8, but near-wall theory needs") == 5
