@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from porous_swim.analysis.summary import summarize, summary_lines
 from porous_swim.results import TIMESERIES_SCHEMA, TableInfo, make_table
@@ -16,7 +17,10 @@ from tests import synthetic
 STATISTIC = {"value", "standard_error", "n", "n_censored", "unit"}
 
 
-def summary_of(encounters: pa.Table, *, persistence_time: float = 1.0, **options: Any) -> dict[str, Any]:
+def summary_of(
+    encounters: pa.Table, *, persistence_time: float = 1.0, n_recorded: int = 20, alike: bool = False,
+    **options: Any,
+) -> dict[str, Any]:  # fmt: skip
     about = TableInfo.of(encounters)
     columns = {field.name: np.zeros(1) for field in TIMESERIES_SCHEMA}
     columns |= {
@@ -25,12 +29,13 @@ def summary_of(encounters: pa.Table, *, persistence_time: float = 1.0, **options
         "msd_standard_error": np.array([0.5]),
     }
     clock = np.linspace(0.0, about.last_time, 11)
-    position = np.cumsum(np.random.default_rng(0).normal(size=(11, 4, 3)), axis=0)
+    position = np.cumsum(np.random.default_rng(0).normal(size=(11, n_recorded, 3)), axis=0)
+    position[:, 1:] = position[:, :1] if alike else position[:, 1:]
     return summarize(
         encounters,
         synthetic.colloids(about, np.arange(9.0).reshape(3, 3)),
         make_table(TIMESERIES_SCHEMA, columns, info=about),
-        synthetic.trajectory(about, clock, position, np.ones((11, 4, 3))),
+        synthetic.trajectory(about, clock, position, np.ones((11, n_recorded, 3))),
         persistence_time=persistence_time,
         **options,
     )
@@ -112,6 +117,22 @@ def test_a_diffusivity_from_a_short_run_is_warned_of_after_the_warnings_given() 
     assert found["warnings"][0] == "first"
     assert "shorter than 10 persistence times (20 a/U each)" in found["warnings"][1]
     assert not found["diffusivity"]["reliable"]
+
+
+@pytest.mark.parametrize(("n_recorded", "alike"), [(1, False), (19, False), (20, True), (20, False)])
+def test_a_diffusivity_of_few_swimmers_or_of_swimmers_alike_is_refused_as_by_the_report(n_recorded, alike) -> None:
+    found = summary_of(
+        synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), n_recorded=n_recorded, alike=alike
+    )
+    effective = found["diffusivity"]["effective"]
+    lines = summary_lines(found)
+    if n_recorded == 20 and not alike:
+        assert effective["n"] == 20
+        assert lines[-1].startswith("effective diffusivity")
+        return
+    assert (effective["value"], effective["standard_error"], effective["n"]) == (None, None, 0)
+    assert not any(line.startswith("effective diffusivity") for line in lines)
+    assert f"needs 20 recorded swimmers whose ways differ, of {n_recorded} here" in lines[-1]
 
 
 def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() -> None:

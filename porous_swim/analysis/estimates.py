@@ -21,6 +21,11 @@ class Estimate:
     n_censored: int  # samples of which only a part was seen
     unit: str  # "" for a pure number
 
+    @classmethod
+    def none(cls, unit: str) -> Estimate:
+        """A statistic that there is none of."""
+        return cls(math.nan, math.nan, 0, 0, unit)
+
     def as_dict(self) -> dict[str, Any]:
         """The same for JSON: what is not finite becomes null."""
         return {

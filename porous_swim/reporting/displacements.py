@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from porous_swim.analysis import EffectiveDiffusivity, effective_diffusivity, msd_exponent, time_averaged_msd
+from porous_swim.analysis.diffusion import none_for
 from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
 from porous_swim.plots.style import Shown
@@ -76,7 +77,7 @@ def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
 
 def _doubts(fit: EffectiveDiffusivity) -> list[str]:
     if not np.isfinite(fit.value):
-        return [f"No effective diffusivity was fitted: that needs 20 swimmers whose ways differ, of {fit.n} recorded."]
+        return [none_for(fit.n)]
     if not fit.linear:
         return [
             f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "
