@@ -53,7 +53,7 @@ def summarize(
     return {
         "residence": _waiting(residence),
         "escape_pitch_time": _waiting(passage),
-        "winding": _winding(winding(encounters)),
+        "winding": _winding(winding(encounters, colloids)),
         **_moves(hop_statistics(encounters, colloids)),
         "flights": _waiting(flights(encounters)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
