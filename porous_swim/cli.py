@@ -1,11 +1,14 @@
-"""The command line. Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt."""
+"""The command line.
+
+Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt; 141 where nobody reads on.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -13,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+from porous_swim.printing import silence
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -37,6 +41,24 @@ Changes = Annotated[
 def main() -> None:
     """Run the command line and leave with its exit status."""
     try:
+        try:
+            _command()
+        finally:
+            if sys.stdout is not None:  # closed by the caller
+                sys.stdout.flush()
+    except SystemExit as left:
+        if isinstance(left.__context__, BrokenPipeError):  # typer makes status 1 of it, that of a run that failed
+            _reader_gone()
+        raise
+    except BrokenPipeError:
+        _reader_gone()
+    except OSError as error:
+        silence(sys.stdout)
+        _leave(f"{error.filename or 'output'}: {error.strerror or error}", 1)
+
+
+def _command() -> None:
+    try:
         app()
     except (SceneError, ResultsError, DeviceError) as error:
         _leave(error, 2)
@@ -45,14 +67,16 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.exit(130)
     except MemoryError:
-        print("not enough memory: lower swimmers.count or record.swimmers", file=sys.stderr)
-        sys.exit(2)
-    except BrokenPipeError:  # the reader of our output has gone: nothing to say, and nobody to say it to
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        _leave("not enough memory: lower swimmers.count or record.swimmers", 2)
 
 
-def _leave(error: PorousSwimError, status: int) -> None:
+def _reader_gone() -> NoReturn:
+    """Nothing to say, and nobody to say it to; the status is what shells give for tools that SIGPIPE ends."""
+    silence(sys.stdout)
+    sys.exit(141)
+
+
+def _leave(error: PorousSwimError | str, status: int) -> NoReturn:
     print(error, file=sys.stderr)
     sys.exit(status)
 

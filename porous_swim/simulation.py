@@ -21,6 +21,7 @@ from porous_swim.observation import Observers
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
+from porous_swim.printing import tell
 from porous_swim.results import Results, RunFolder, TableInfo
 from porous_swim.scene import Scene
 from porous_swim.stopwatch import Stopwatch
@@ -152,7 +153,7 @@ def run_in(
         if folder is not None:
             _save_scene(scene, folder)
         if progress:
-            print(_device_line(scene, start.backend), file=sys.stderr, flush=True)
+            tell(_device_line(scene, start.backend), sys.stderr)
         with interrupts.while_compiling(), watch.timing("compiling"):
             simulation = Simulation(scene, start)
         observers = Observers(simulation, folder, progress=progress, recording=recording)
@@ -167,7 +168,7 @@ def run_in(
             observers.finish(interrupted=True)
             raise
         if progress:
-            print(watch.line(), file=sys.stderr, flush=True)
+            tell(watch.line(), sys.stderr)
         return results
 
 

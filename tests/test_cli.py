@@ -247,6 +247,42 @@ def test_the_schema_is_json_and_names_the_sections(tmp_path):
     assert {"swimmers", "obstacles", "noise", "run", "record"} <= set(schema["properties"])
 
 
+@pytest.fixture
+def unread():
+    """A pipe whose reader has gone, as after `| head -1`."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    yield writer
+    os.close(writer)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+@pytest.mark.parametrize(
+    "arguments", [("schema",), ("--help",), ("check", "small.yaml"), ("theory", "--dipole-strength", 1)]
+)
+def test_output_that_nobody_reads_ends_quietly_as_other_tools_do(arguments, scene, unread, tmp_path):
+    child = start(*arguments, cwd=tmp_path, stdout=unread)
+    _, stderr = child.communicate(timeout=60)
+    assert (child.returncode, stderr) == (128 + signal.SIGPIPE, "")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_a_run_whose_progress_nobody_reads_goes_on_to_its_end(scene, unread, tmp_path):
+    child = start("run", scene, cwd=tmp_path, stdout=unread, stderr=unread)
+    child.wait(timeout=300)
+    assert child.returncode == 128 + signal.SIGPIPE
+    assert ps.load_results(tmp_path / "runs/small").summary["status"] == "finished"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is full")
+@pytest.mark.parametrize("command", ["schema", "--help"])  # more and less than a buffer
+def test_output_that_cannot_be_written_is_one_sentence(command, tmp_path):
+    with open("/dev/full", "w") as full:
+        child = start(command, cwd=tmp_path, stdout=full)
+        _, stderr = child.communicate(timeout=60)
+    assert (child.returncode, stderr) == (1, "output: No space left on device\n")
+
+
 @pytest.mark.parametrize("web", [False, True])
 def test_view_becomes_the_rerun_viewer_of_the_recording(web, tmp_path, monkeypatch):
     (tmp_path / "recording.rrd").touch()

@@ -17,6 +17,7 @@ from porous_swim.bench import answer, conditions, fields, one_colloid, peers, re
 from porous_swim.bench.figure import QUICK, Counts, Group, Setting
 from porous_swim.bench.reference import References, compilers
 from porous_swim.errors import SceneError
+from porous_swim.printing import tell
 
 GROUPS: dict[str, Group] = {
     "one_colloid": one_colloid.figures,
@@ -51,7 +52,7 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
         references = _references(Path(name), counts) if NEED_C & set(wanted) else References()
         setting = Setting(counts, Path(name), references)
         for group in wanted:
-            print(f"bench: {group}", file=sys.stderr, flush=True)
+            tell(f"bench: {group}", sys.stderr)
             figures[group] = [figure.as_dict() for figure in GROUPS[group](setting)]
     return {
         "machine": {**_machine(), "load_before": load, "load_after": os.getloadavg()[0]},
@@ -96,7 +97,7 @@ def _references(folder: Path, counts: Counts) -> References:
     """C, or one line that says why there is none."""
     references = References.build(folder, n_swimmers=counts.n_swimmers, n_steps=counts.n_steps, rounds=counts.rounds)
     if references.blocked is None:
-        print("bench: no C compiler (clang or gcc) that works was found: ratios to C are left out", file=sys.stderr)
+        tell("bench: no C compiler (clang or gcc) that works was found: ratios to C are left out", sys.stderr)
     return references
 
 

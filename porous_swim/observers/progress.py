@@ -12,6 +12,7 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as Bar
 
 from porous_swim.observers.base import FREE, Every, Frame
+from porous_swim.printing import tell
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
 
@@ -109,7 +110,7 @@ class ProgressLines:
         share = 100.0 * frame.step / max(self._n_steps, 1)
         ahead = "" if left is None else f", {_duration(left)} left"
         line = f"{share:5.1f} %  {_state(self._rate.at(frame.step), frame)}{ahead}{end}"
-        print(line, file=self._stream, flush=True)
+        tell(line, self._stream)
 
 
 class ProgressBar:
