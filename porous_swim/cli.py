@@ -88,7 +88,9 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace an earlier run in --out.")] = False,
     seed: Annotated[int | None, typer.Option(help="Instead of run.seed.")] = None,
     changes: Changes = None,
-    device: Annotated[str | None, typer.Option(help="auto, cpu, cuda, vulkan or metal.")] = None,
+    device: Annotated[
+        str | None, typer.Option(help="auto, cpu, cuda, vulkan or metal; auto never takes vulkan.")
+    ] = None,
     precision: Annotated[str | None, typer.Option(help="auto, f32 or f64.")] = None,
     threads: Annotated[int | None, typer.Option(help="Threads of the CPU.")] = None,
     no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,

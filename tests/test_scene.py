@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from porous_swim import schema
+from porous_swim.engine import backend
 from porous_swim.errors import SceneError
 from porous_swim.scene import Scene, load_scene
 
@@ -285,6 +286,14 @@ def test_colloids_that_do_not_fit_are_named_at_their_place_in_the_file(tmp_path:
 def test_the_committed_schema_and_page_are_those_of_the_models() -> None:
     assert json.loads(schema.SCHEMA_FILE.read_text()) == schema.json_schema()
     assert schema.PAGE_FILE.read_text() == schema.scene_page()
+
+
+def test_the_page_says_that_auto_takes_no_vulkan_device_and_it_takes_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    (row,) = [line for line in schema.scene_page().splitlines() if line.startswith("| `device`")]
+    assert "`auto` takes CUDA or Metal where there is one, else the CPU. It never takes Vulkan" in row
+    for here, taken in (({"vulkan", "cpu"}, "cpu"), ({"vulkan", "cuda", "cpu"}, "cuda"), ({"metal", "cpu"}, "metal")):
+        monkeypatch.setattr(backend, "available", here.__contains__)
+        assert backend.choose("auto") == taken
 
 
 def test_every_key_says_what_it_is() -> None:
