@@ -66,7 +66,7 @@ class Run(Part):
     device: Literal["auto", "cpu", "cuda", "vulkan", "metal"] = "auto"
     """Where to compute; `auto` takes CUDA or Metal where there is one, else the CPU. It never takes Vulkan, which may
     be a driver in software: name it."""
-    threads: Annotated[Whole, Field(ge=1)] | None = None
+    threads: Annotated[Whole, Field(ge=1, le=1024)] | None = None
     """Threads on the CPU; left out: one per core. No result depends on it."""
 
 

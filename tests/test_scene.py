@@ -283,6 +283,22 @@ def test_colloids_that_do_not_fit_are_named_at_their_place_in_the_file(tmp_path:
         load(tmp_path, text).place_obstacles()
 
 
+def test_a_table_of_colloids_that_is_no_text_is_refused_in_plain_words(tmp_path: Path) -> None:
+    text = GOOD.replace("hexagonal, radius: 3.5, spacing: 10, cells: [4, 3]", "file, path: b.csv")
+    text = text.replace("dimensions: 2", "dimensions: 2, size: [20, 20]")
+    (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match=r"obstacles\.path: the file '.*b\.csv' cannot be read: it is not UTF-8 text$"):
+        load(tmp_path, text).place_obstacles()
+
+
+def test_no_other_device_is_guessed_and_threads_have_a_limit() -> None:
+    scene = load_scene(SCENES[0])
+    with pytest.raises(SceneError, match=r"run\.device: expected .* found 'gpu'$"):
+        scene.replace({"run.device": "gpu"})
+    with pytest.raises(SceneError, match=r"run\.threads: expected at most 1024, found 100000$"):
+        scene.replace({"run.threads": 100000})  # a process may have some 30 000, and then waits for ever
+
+
 def test_the_committed_schema_and_page_are_those_of_the_models() -> None:
     assert json.loads(schema.SCHEMA_FILE.read_text()) == schema.json_schema()
     assert schema.PAGE_FILE.read_text() == schema.scene_page()
