@@ -47,6 +47,8 @@ def predictions(
         SceneError: an argument is out of its range.
     """
     alpha, gamma = dipole_strength, aspect_ratio
+    if diffusion is not None and not 0.0 < diffusion < math.inf:
+        raise SceneError(f"theory: diffusion: found {diffusion:g}, allowed are finite numbers above 0")
     try:
         rows = list(_capture(alpha, gamma, radius))
         if radius is not None and alpha > 0.0:

@@ -262,7 +262,13 @@ def test_the_command_says_why_neither_trapping_time_holds_for_the_swimmers_of_th
             )
             for radius in ("-2", "0", "nan")
         ),
-        (["--dipole-strength", "0.8", "--radius", "20", "--diffusion", "inf"], "theory: rotational_diffusion: found"),
+        *(
+            (
+                ["--dipole-strength", "0.8", "--radius", "20", "--diffusion", D],
+                f"theory: diffusion: found {D}, allowed are finite numbers above 0",
+            )
+            for D in ("inf", "0", "-1", "nan")
+        ),
         (["--dipole-strength", "1e300"], "theory: found numbers whose powers are beyond double precision"),
         (["--dipole-strength", "nan"], "theory: dipole_strength: found nan, allowed are finite numbers"),
         (["--dipole-strength", "-inf"], "theory: dipole_strength: found -inf, allowed are finite numbers"),

@@ -92,7 +92,7 @@ def _judged(figure: Figure, quick: bool) -> dict[str, Any]:
 def _chosen(names: Sequence[str]) -> list[str]:
     for name in names:
         if name not in GROUPS:
-            near = difflib.get_close_matches(name, GROUPS, n=1, cutoff=0.4)
+            near = difflib.get_close_matches(name, GROUPS, n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
             raise SceneError(f"bench {name}: there is no such group{hint}; there are: {', '.join(GROUPS)}")
     return [name for name in GROUPS if not names or name in names]
