@@ -182,7 +182,7 @@ def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() 
     }  # fmt: skip
     lines = summary_lines(found)
     assert lines[0] == "residence time: 39.41 ± 0.14 a/U (n = 54973, 7293 censored)"
-    assert "hop rate per swimmer: 5.541e+04 ± 1.4e+02 U/a (n = 12)" in lines
+    assert "hop rate per swimmer: 55410 ± 140 U/a (n = 12)" in lines
     assert not any(line.startswith("hop time") for line in lines)
     assert lines[-1] == "warning: beware"
 
@@ -193,3 +193,11 @@ def test_a_summary_of_a_million_encounters_takes_seconds() -> None:
     start = time.perf_counter()
     summary_of(table)
     assert time.perf_counter() - start < 20.0  # some 5 s on one core; a loop over swimmers takes minutes
+
+
+def test_an_error_above_ten_is_no_power_of_ten() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)))
+    found["residence"]["mean"] = {
+        "value": 147.3, "standard_error": 183.2, "n": 2, "n_censored": 18, "unit": "a/U"
+    }  # fmt: skip
+    assert summary_lines(found)[0] == "residence time: 150 ± 180 a/U (n = 2, 18 censored)"

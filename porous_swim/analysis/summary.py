@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column
 from porous_swim.analysis.diffusion import ALIKE, FEWEST_SWIMMERS, none_for
-from porous_swim.analysis.estimates import Estimate
+from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
     bound_fraction,
@@ -189,17 +189,4 @@ def _in_words(statistic: Mapping[str, Any]) -> str:
     counts = f"n = {statistic['n']}"
     if statistic["n_censored"]:
         counts += f", {statistic['n_censored']} censored"
-    return f"{_rounded(value, error)}{' ' + unit if unit else ''} ({counts})"
-
-
-def _rounded(value: float, error: float | None) -> str:
-    """`39.41 ± 0.14`: two digits of the error, and the value to the same place."""
-    if error is None:
-        return f"{value:.3g}"
-    if error == 0.0:
-        return f"{value:.6g} ± 0"
-    place = 1 - math.floor(math.log10(error))
-    if 0 <= place <= 6:
-        return f"{value:.{place}f} ± {error:.{place}f}"
-    digits = max(1, 1 + place + (math.floor(math.log10(abs(value))) if value else 0))
-    return f"{value:.{digits}g} ± {error:.2g}"
+    return f"{value_and_error(value, error, digits=3)}{' ' + unit if unit else ''} ({counts})"
