@@ -47,10 +47,10 @@ def section(runs: Sequence[Run]) -> Section:
 
 
 def _displacements(run: Run) -> displacements.Displacements | None:
-    """None where nothing moves, or no two frames are half of the run apart."""
+    """None where nothing moves, or half of the run has room for fewer than two lags: an exponent is of two."""
     trajectory, info, scene = run.results.trajectory, run.results.info, run.scene
     squares = time_averaged_msd(trajectory)
-    if len(squares.lag) == 0 or not np.all(squares.value > 0.0):
+    if len(squares.lag) < 2 or not np.all(squares.value > 0.0):
         return None
     free = None
     if scene is not None and len(run.results.colloids) == 0:
