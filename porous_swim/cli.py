@@ -117,7 +117,7 @@ def run(
         raise typer.Exit(130)
 
 
-@app.command()
+@app.command(short_help="Say what a scene is and what is doubtful about it.")
 def check(scene: SceneFile, changes: Changes = None) -> None:
     """Say what a scene is, and what is doubtful about it; run nothing."""
     from porous_swim.inspection import describe
@@ -139,7 +139,7 @@ def view(
     os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
 
 
-@app.command()
+@app.command(short_help="Write pictures and tables of a run as one HTML page.")
 def report(
     run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")],
     compare: Annotated[
@@ -171,7 +171,7 @@ def new(
     print(copy_template(template, Path(name)))
 
 
-@app.command()
+@app.command(short_help="Print what theory predicts for one swimmer at one colloid.")
 def theory(
     dipole_strength: Annotated[float, typer.Option(help="alpha: above 0 a pusher, below 0 a puller.")],
     aspect_ratio: Annotated[float, typer.Option(help="gamma, minor over major axis; 1 is a sphere.")] = 1.0,
@@ -195,7 +195,7 @@ def theory(
         _print_rows([(f"{row.quantity} ({row.order})", row.text) for row in rows])
 
 
-@app.command()
+@app.command(short_help="Make the figures of Spagnolie et al. (2015) again.")
 def reproduce(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Figures; all if none is named.")
@@ -211,7 +211,7 @@ def reproduce(
     raise typer.Exit(1 if n_differ else 0)
 
 
-@app.command()
+@app.command(short_help="Measure the speed of the engine.")
 def bench(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Groups of figures; all if none is named.")

@@ -127,6 +127,12 @@ def test_auto_says_that_it_fell_back_to_the_cpu(scene, tmp_path):
     assert "no CUDA" not in asked[0]
 
 
+def test_the_list_of_commands_says_whole_sentences(tmp_path):
+    listed = porous_swim("--help", cwd=tmp_path).stdout.partition("Commands:")[2].splitlines()[1:]
+    assert len(listed) == 9
+    assert all(line.endswith(".") and not line.endswith("...") for line in listed)
+
+
 def test_an_unknown_option_is_answered_with_the_usage(tmp_path):
     result = porous_swim("run", "--colour", cwd=tmp_path)
     assert result.returncode == 2
