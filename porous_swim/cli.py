@@ -16,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+from porous_swim.interrupts import fatal
 from porous_swim.printing import silence
 
 if TYPE_CHECKING:
@@ -97,8 +98,9 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
-    from porous_swim.results import RunFolder
-    from porous_swim.simulation import run_in
+    with fatal():
+        from porous_swim.results import RunFolder
+        from porous_swim.simulation import run_in
 
     options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
     loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import NO_END, SCENES, SMALL, porous_swim, small_scene, start
+from commands import NO_END, SCENES, SMALL, environment, porous_swim, small_scene, start
 from rerun.chunk import RrdReader
 
 import porous_swim as ps
@@ -162,6 +162,23 @@ def test_an_interrupted_run_is_readable_and_says_so(number, scene, tmp_path):
     RrdReader(recording).store()
     text = subprocess.run([sys.executable, "-m", "rerun", "rrd", "print", "-vvv", recording], capture_output=True)
     assert b"Interrupted" in text.stdout
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_an_interrupt_while_libraries_load_is_not_swallowed_by_them():
+    swallow = """
+import os, signal
+from porous_swim.interrupts import fatal
+with fatal():
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        sum(range(1000))
+    except BaseException:
+        pass
+print("went on")
+"""
+    done = subprocess.run([sys.executable, "-c", swallow], env=environment(), capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")  # a shell says 130
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs glibc's one-shot handlers")
