@@ -7,8 +7,10 @@ import re
 import pytest
 
 from porous_swim import costs
+from porous_swim.engine.backend import Backend
 from porous_swim.inspection import describe
 from porous_swim.scene import Scene, load_scene
+from porous_swim.simulation import _device_line
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0}
 
@@ -69,6 +71,12 @@ def test_the_parts_of_the_expected_time_are_those_of_runs_of_the_scenes(name):
     for expected, measured in zip((found.swimming, found.recording), RUNS[name], strict=True):
         assert measured / 2.0 <= expected <= 2.0 * measured
     assert found.total > sum(RUNS[name]) / 2.0
+
+
+def test_check_and_run_say_alike_how_long_compiling_takes():
+    scene = load_scene("scenes/crystal.yaml")
+    assert "10 s more to compile at the first time" in dict(describe(scene))["expected time"]
+    assert "some 10 s at the first time" in _device_line(scene, Backend("cpu", None))
 
 
 def seconds(count: int, threads: int | None, **more) -> costs.Seconds:
