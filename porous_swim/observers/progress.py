@@ -101,9 +101,10 @@ class ProgressLines:
             self._write(frame, left=self._rate.seconds_left(frame.step, n_steps=self._n_steps))
 
     def finish(self, *, interrupted: bool) -> None:
-        """Write the last line."""
-        if self._last is not None:
-            self._write(self._last, left=None, end=", interrupted" if interrupted else "")
+        """Write the last line, once: a second Ctrl-C may come while the run is being ended."""
+        last, self._last = self._last, None
+        if last is not None:
+            self._write(last, left=None, end=", interrupted" if interrupted else "")
 
     def _write(self, frame: Frame, *, left: float | None, end: str = "") -> None:
         self._last_line = time.monotonic()
