@@ -1,11 +1,14 @@
-"""The command line. Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt."""
+"""The command line.
+
+Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt; 141 where nobody reads on.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -13,6 +16,8 @@ from rich.table import Table
 from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+from porous_swim.interrupts import fatal
+from porous_swim.printing import silence
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -37,6 +42,24 @@ Changes = Annotated[
 def main() -> None:
     """Run the command line and leave with its exit status."""
     try:
+        try:
+            _command()
+        finally:
+            if sys.stdout is not None:  # closed by the caller
+                sys.stdout.flush()
+    except SystemExit as left:
+        if isinstance(left.__context__, BrokenPipeError):  # typer makes status 1 of it, that of a run that failed
+            _reader_gone()
+        raise
+    except BrokenPipeError:
+        _reader_gone()
+    except OSError as error:
+        silence(sys.stdout)
+        _leave(f"{error.filename or 'output'}: {error.strerror or error}", 1)
+
+
+def _command() -> None:
+    try:
         app()
     except (SceneError, ResultsError, DeviceError) as error:
         _leave(error, 2)
@@ -45,14 +68,16 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.exit(130)
     except MemoryError:
-        print("not enough memory: lower swimmers.count or record.swimmers", file=sys.stderr)
-        sys.exit(2)
-    except BrokenPipeError:  # the reader of our output has gone: nothing to say, and nobody to say it to
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        _leave("not enough memory: lower swimmers.count or record.swimmers", 2)
 
 
-def _leave(error: PorousSwimError, status: int) -> None:
+def _reader_gone() -> NoReturn:
+    """Nothing to say, and nobody to say it to; the status is what shells give for tools that SIGPIPE ends."""
+    silence(sys.stdout)
+    sys.exit(141)
+
+
+def _leave(error: PorousSwimError | str, status: int) -> NoReturn:
     print(error, file=sys.stderr)
     sys.exit(status)
 
@@ -64,15 +89,18 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace an earlier run in --out.")] = False,
     seed: Annotated[int | None, typer.Option(help="Instead of run.seed.")] = None,
     changes: Changes = None,
-    device: Annotated[str | None, typer.Option(help="auto, cpu, cuda, vulkan or metal.")] = None,
+    device: Annotated[
+        str | None, typer.Option(help="auto, cpu, cuda, vulkan or metal; auto never takes vulkan.")
+    ] = None,
     precision: Annotated[str | None, typer.Option(help="auto, f32 or f64.")] = None,
     threads: Annotated[int | None, typer.Option(help="Threads of the CPU.")] = None,
     no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
-    from porous_swim.results import RunFolder
-    from porous_swim.simulation import run_in
+    with fatal():
+        from porous_swim.results import RunFolder
+        from porous_swim.simulation import run_in
 
     options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
     loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})
@@ -91,7 +119,7 @@ def run(
         raise typer.Exit(130)
 
 
-@app.command()
+@app.command(short_help="Say what a scene is and what is doubtful about it.")
 def check(scene: SceneFile, changes: Changes = None) -> None:
     """Say what a scene is, and what is doubtful about it; run nothing."""
     from porous_swim.inspection import describe
@@ -113,7 +141,7 @@ def view(
     os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
 
 
-@app.command()
+@app.command(short_help="Write pictures and tables of a run as one HTML page.")
 def report(
     run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")],
     compare: Annotated[
@@ -145,7 +173,7 @@ def new(
     print(copy_template(template, Path(name)))
 
 
-@app.command()
+@app.command(short_help="Print what theory predicts for one swimmer at one colloid.")
 def theory(
     dipole_strength: Annotated[float, typer.Option(help="alpha: above 0 a pusher, below 0 a puller.")],
     aspect_ratio: Annotated[float, typer.Option(help="gamma, minor over major axis; 1 is a sphere.")] = 1.0,
@@ -169,7 +197,7 @@ def theory(
         _print_rows([(f"{row.quantity} ({row.order})", row.text) for row in rows])
 
 
-@app.command()
+@app.command(short_help="Make the figures of Spagnolie et al. (2015) again.")
 def reproduce(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Figures; all if none is named.")
@@ -185,7 +213,7 @@ def reproduce(
     raise typer.Exit(1 if n_differ else 0)
 
 
-@app.command()
+@app.command(short_help="Measure the speed of the engine.")
 def bench(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Groups of figures; all if none is named.")

@@ -23,7 +23,7 @@ def read_columns(
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = [(reader.line_num, row) for reader in [csv.reader(file)] for row in reader if any(row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
+        reason = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else getattr(error, "strerror", error)
         raise KeyedError(key, f"the file {str(path)!r} cannot be read: {reason}") from None
     header = [name.strip() for name in rows[0][1]] if rows else []
     wanted = ", ".join(required) + (f" (and {', '.join(optional)})" if optional else "")

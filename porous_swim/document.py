@@ -159,6 +159,8 @@ def _syntax_error(error: yaml.MarkedYAMLError, text: str, file: str) -> str:
         return one_line(f"{file}:1:1: {error.problem}")
     found = text[mark.index : mark.index + 1]
     problem = f"{error.problem} ({error.context})" if error.context else str(error.problem)
+    if error.problem == "but found another document":
+        problem = "expected one scene in a file, found the start of another (`---`)"
     if found == "\t":
         problem = "a tab cannot indent or separate keys; use blanks"
     return one_line(f"{file}:{mark.line + 1}:{mark.column + 1}: {problem}")

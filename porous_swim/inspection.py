@@ -7,21 +7,13 @@ import math
 import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
+from porous_swim.costs import COMPILING, Seconds, expected_seconds
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
-from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.scene import Scene
 
-# A swimmer-step on one core of a present-day CPU, measured in a crystal, within a factor of two.
-NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
-    ("euler", "f32"): {"sphere": 23.0, "flat": 23.0, "rod": 55.0, "needle": 170.0},
-    ("euler", "f64"): {"sphere": 45.0, "flat": 45.0, "rod": 130.0, "needle": 350.0},
-    ("reflected", "f32"): {"sphere": 34.0, "flat": 34.0, "rod": 65.0, "needle": 240.0},
-    ("reflected", "f64"): {"sphere": 60.0, "flat": 60.0, "rod": 170.0, "needle": 500.0},
-    ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
-}
 BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device
 
 
@@ -76,8 +68,6 @@ def _units(scene: Scene) -> list[tuple[str, str]]:
 
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     n, steps = scene.swimmers.count, scene.n_steps
-    shape = shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
-    seconds = n * steps * NANOSECONDS[scene.integrator, scene.precision][shape] * 1e-9
     frames = steps // scene.record_period + 1
     size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
     end = f"{scene.run.duration:g} a/U"
@@ -85,10 +75,18 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
         end += f" ({scene.run.duration * units.time:g} s)"
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}"),
-        ("expected time", f"{_duration(seconds)} on one CPU core, and half a minute to compile at the first time"),
+        ("expected time", _time(expected_seconds(scene, field))),
         ("memory", f"{_bytes(n * BYTES[scene.precision])} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
+
+
+def _time(seconds: Seconds) -> str:
+    parts = f"swimming {_duration(seconds.swimming)}, recording {_duration(seconds.recording)}"
+    return (
+        f"about {_duration(seconds.total)} on {_count(seconds.n_threads, 'thread')} of an idle CPU ({parts}), "
+        f"and {COMPILING:g} s more to compile at the first time"
+    )
 
 
 def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
@@ -135,5 +133,5 @@ def _duration(seconds: float) -> str:
         return "under a second"
     for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 2.0 * size:
-            return f"about {seconds / size:.2g} {unit}"
-    return f"about {seconds:.2g} s"
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"

@@ -12,6 +12,20 @@ from typing import Any
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
+@contextmanager
+def fatal() -> Iterator[None]:
+    """Ctrl-C ends the process at once: libraries that are being loaded may swallow a `KeyboardInterrupt`."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    except ValueError:  # not in the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 class Interrupts:
     """A context in which the first signal is only noted: true once there was one."""
 

@@ -60,7 +60,7 @@ def shown(value: Any) -> str:
 
 def near_miss(word: Any, choices: Sequence[str]) -> str:
     """Return `; did you mean ...?` where a choice is near to `word`, else nothing."""
-    near = get_close_matches(str(word).lower(), choices, n=1)
+    near = get_close_matches(str(word).lower(), choices, n=1, cutoff=0.67)  # two letters of three: another word
     return f"; did you mean `{near[0]}`?" if near else ""
 
 

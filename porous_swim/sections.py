@@ -64,8 +64,9 @@ class Run(Part):
     (without noise, f64): eighth order, step ends and every event located to rounding, so that `time_step` only sets
     the times at which the run can be looked at."""
     device: Literal["auto", "cpu", "cuda", "vulkan", "metal"] = "auto"
-    """Where to compute; `auto` takes a GPU if there is one."""
-    threads: Annotated[Whole, Field(ge=1)] | None = None
+    """Where to compute; `auto` takes CUDA or Metal where there is one, else the CPU. It never takes Vulkan, which may
+    be a driver in software: name it."""
+    threads: Annotated[Whole, Field(ge=1, le=1024)] | None = None
     """Threads on the CPU; left out: one per core. No result depends on it."""
 
 

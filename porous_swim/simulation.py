@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from porous_swim.costs import COMPILING
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
 from porous_swim.engine.engine import Engine, Laws, Numbers
@@ -21,6 +22,7 @@ from porous_swim.observation import Observers
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
+from porous_swim.printing import tell
 from porous_swim.results import Results, RunFolder, TableInfo
 from porous_swim.scene import Scene
 from porous_swim.stopwatch import Stopwatch
@@ -152,7 +154,7 @@ def run_in(
         if folder is not None:
             _save_scene(scene, folder)
         if progress:
-            print(_device_line(scene, start.backend), file=sys.stderr, flush=True)
+            tell(_device_line(scene, start.backend), sys.stderr)
         with interrupts.while_compiling(), watch.timing("compiling"):
             simulation = Simulation(scene, start)
         observers = Observers(simulation, folder, progress=progress, recording=recording)
@@ -167,7 +169,7 @@ def run_in(
             observers.finish(interrupted=True)
             raise
         if progress:
-            print(watch.line(), file=sys.stderr, flush=True)
+            tell(watch.line(), sys.stderr)
         return results
 
 
@@ -203,7 +205,8 @@ def _device_line(scene: Scene, started: Backend) -> str:
     """What computes and why, while the user waits for the compiler."""
     device = started.device.upper() if started.device in ("cpu", "cuda") else started.device.capitalize()
     why = ", as no CUDA or Metal device was found" if scene.run.device == "auto" and started.is_cpu else ""
-    return f"computing on {device} in {scene.precision}{why}; compiling (half a minute at the first time, then cached)"
+    compiling = f"compiling (some {COMPILING:g} s at the first time, then cached)"
+    return f"computing on {device} in {scene.precision}{why}; {compiling}"
 
 
 def _save_scene(scene: Scene, folder: RunFolder) -> None:

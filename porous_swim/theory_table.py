@@ -13,6 +13,7 @@ from porous_swim.analysis import theory
 from porous_swim.errors import SceneError
 
 ORDERS: tuple[Literal["exact"], Literal["leading"]] = ("exact", "leading")
+TRAPPING_ORDERS: tuple[Literal["integral"], Literal["estimate"]] = ("integral", "estimate")
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ def predictions(
         SceneError: an argument is out of its range.
     """
     alpha, gamma = dipole_strength, aspect_ratio
+    if diffusion is not None and not 0.0 < diffusion < math.inf:
+        raise SceneError(f"theory: diffusion: found {diffusion:g}, allowed are finite numbers above 0")
     try:
         rows = list(_capture(alpha, gamma, radius))
         if radius is not None and alpha > 0.0:
@@ -54,13 +57,19 @@ def predictions(
                 rows += _trapping(alpha, gamma, radius, diffusion)
     except ValueError as error:
         raise SceneError(f"theory: {error}") from None
+    except ArithmeticError:
+        sentence = "theory: found numbers whose powers are beyond double precision, allowed are sizes of 1e-20 to 1e20"
+        raise SceneError(sentence) from None
     return rows
 
 
-def _try(quantity: str, order: str, unit: str, compute: Callable[[], float | None], note: str = "") -> Prediction:
-    """A prediction whose formula may not hold for these arguments."""
+def _try(
+    quantity: str, order: str, unit: str, compute: Callable[[], float | None], note: str = "", *, absent: str = ""
+) -> Prediction:
+    """A prediction whose formula may not hold for these arguments; `absent` says why it may have no value."""
     try:
-        return Prediction(quantity, order, compute(), unit, note)
+        value = compute()
+        return Prediction(quantity, order, value, unit, absent if value is None else note)
     except ValueError as error:
         return Prediction(quantity, order, None, unit, f"({error})")
 
@@ -82,8 +91,8 @@ def _capture(alpha: float, gamma: float, A: float | None) -> Iterator[Prediction
     if A is None:
         return
     for order in ORDERS:
-        pitch = theory.equilibrium_pitch(alpha, A, gamma, order=order)
-        yield Prediction("equilibrium pitch", order, pitch, "rad", "" if pitch is not None else "(not held)")
+        pitch = partial(theory.equilibrium_pitch, alpha, A, gamma, order=order)
+        yield _try("equilibrium pitch", order, "rad", pitch, absent="(not held)")
     if alpha > 0.0 and gamma == 1.0:
         yield Prediction("basin depth", "leading", theory.basin_depth(alpha, A), "a", "(measured: 3 to 5 % less)")
 
@@ -95,17 +104,21 @@ def _sliding(alpha: float, gamma: float, A: float) -> Iterator[Prediction]:
     yield _try("winding from pitch 0", "near wall", "turns", lambda: theory.winding(alpha, A, gamma))
     if gamma == 1.0:
         for share in (0.25, 0.5, 1.0):
-            angle = theory.scattering_angle(alpha, A, share * A)
-            yield Prediction(
-                f"scattering angle at y0 = {share * A:g}", "near wall", None if angle is None else math.degrees(angle),
-                "degrees", "(held)" if angle is None else "",
-            )  # fmt: skip
+            angle = partial(_scattering, alpha, A, share * A)
+            yield _try(f"scattering angle at y0 = {share * A:g}", "near wall", "degrees", angle, absent="(held)")
+
+
+def _scattering(alpha: float, A: float, impact_parameter: float) -> float | None:
+    """The scattering angle in degrees."""
+    angle = theory.scattering_angle(alpha, A, impact_parameter)
+    return None if angle is None else math.degrees(angle)
 
 
 def _trapping(alpha: float, gamma: float, A: float, D: float) -> Iterator[Prediction]:
-    D_r = 0.75 * D
-    yield Prediction("mean trapping time", "integral", theory.mean_trapping_time(alpha, A, D_r, gamma), "a/U")
-    with warnings.catch_warnings(record=True) as doubts:
-        warnings.simplefilter("always")
-        estimate = theory.mean_trapping_time(alpha, A, D_r, gamma, order="estimate")
-    yield Prediction("mean trapping time", "estimate", estimate, "a/U", "(out of its range)" if doubts else "")
+    for order in TRAPPING_ORDERS:
+        doubts = theory.trapping_doubts(alpha, A, 0.75 * D, gamma, order=order)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # the note says it
+            time = theory.mean_trapping_time(alpha, A, 0.75 * D, gamma, order=order)
+        note = f"(out of its range: {'; '.join(doubts)})" if doubts else ""
+        yield Prediction("mean trapping time", order, time, "a/U", note)

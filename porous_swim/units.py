@@ -56,9 +56,10 @@ _UNIT_OF = {  # what a quantity is measured in here, and an example for messages
     "viscosity": ("pN s/um^2", "`0.89 mPa s`"),
     "temperature": ("K", "`300 K`"),
     "diffusivity": ("um^2/s", "`0.25 um^2/s`"),
-    "rotational diffusivity": ("rad^2/s", "`0.19 rad^2/s`"),
+    "rotational diffusivity": ("rad^2/s", "`0.19 rad^2/s` or `0.19 1/s`"),
     "dipole": ("pN um", "`0.45 pN um`"),
 }
+_ANGLES = ("radian", "degree", "turn")  # pint counts them as pure numbers: rad/s would pass for rad^2/s
 _QUANTITY = re.compile(r"\s*([-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)\s*(\S.*?)\s*")
 
 
@@ -79,7 +80,7 @@ def read_quantity(text: str, dimension: str) -> float:
         raise ValueError(f"expected a {dimension} with its unit such as {example}, found {text!r}")
     try:
         found = _registry().Quantity(float(match[1]), match[2])
-        fits = found.is_compatible_with(unit)
+        fits = found.is_compatible_with(unit) and _angles(found) in (0, _angles(_registry().Quantity(unit)))
     except Exception as error:  # pint raises half a dozen unrelated kinds on nonsense
         raise ValueError(
             f"{match[2]!r} is not a unit that is known here; a {dimension} is such as {example}"
@@ -87,6 +88,11 @@ def read_quantity(text: str, dimension: str) -> float:
     if not fits:
         raise ValueError(f"expected a {dimension} such as {example}, found {text!r}")
     return float(found.to(unit).magnitude)
+
+
+def _angles(quantity: Any) -> float:
+    """Return the power of angle in the unit of `quantity`."""
+    return float(sum(power for name, power in quantity.unit_items() if name.endswith(_ANGLES)))
 
 
 def _text(dimension: str) -> BeforeValidator:

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import IO
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = sorted((ROOT / "scenes").glob("*.yaml"))
@@ -33,11 +34,16 @@ def porous_swim(*arguments: object, cwd: Path, **options: object) -> subprocess.
     return subprocess.run(command, cwd=cwd, env=environment(), capture_output=True, text=True, timeout=300, **options)
 
 
-def start(*arguments: object, cwd: Path, **more: object) -> subprocess.Popen[str]:
+def start(
+    *arguments: object,
+    cwd: Path,
+    stdout: int | IO[str] = subprocess.PIPE,
+    stderr: int = subprocess.PIPE,
+    **more: object,
+) -> subprocess.Popen[str]:
     """Start the command line; `more` goes into its environment."""
     command = [sys.executable, "-m", "porous_swim", *map(str, arguments)]
-    pipe = subprocess.PIPE
-    return subprocess.Popen(command, cwd=cwd, env=environment(**more), stdout=pipe, stderr=pipe, text=True)
+    return subprocess.Popen(command, cwd=cwd, env=environment(**more), stdout=stdout, stderr=stderr, text=True)
 
 
 def small_scene(folder: Path, text: str = SMALL) -> Path:

@@ -11,6 +11,7 @@ from commands import porous_swim
 
 import porous_swim as ps
 from porous_swim.bench import report
+from porous_swim.bench.figure import Conditions, Figure
 from porous_swim.bench.job import TIME_STEP, OneColloid
 from porous_swim.bench.reference import Build, Reference, compilers
 from porous_swim.bench.timing import Ratio, take_turns
@@ -132,6 +133,22 @@ def test_the_command_prints_json_with_every_figure_and_what_it_was_measured_with
         assert set(figure["conditions"]) == CONDITIONS
         assert figure["value"] > 0.0
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_tiny_counts_give_no_verdicts(quick, monkeypatch):
+    where = Conditions("f32", 1, 64, 1, 8)
+    figures = [Figure("fast", 0.5, where, target=1.0), Figure("slow", 2.0, where, target=1.0)]
+    monkeypatch.setitem(report.GROUPS, "lanes", lambda _: figures)
+    found = report.benchmark(["lanes"], quick=quick)
+    verdicts = [figure["verdict"] for figure in found["figures"]["lanes"]]
+    last = report.text(found).splitlines()[-1]
+    if quick:
+        assert verdicts == ["", ""]
+        assert last == "tiny counts: nothing here is a speed"
+    else:
+        assert verdicts == ["met", "missed"]
+        assert last == "1 targets met, 1 missed"
 
 
 def test_without_a_compiler_one_line_says_so(tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import NO_END, SCENES, SMALL, porous_swim, small_scene, start
+from commands import NO_END, SCENES, SMALL, environment, porous_swim, small_scene, start
 from rerun.chunk import RrdReader
 
 import porous_swim as ps
@@ -127,6 +127,12 @@ def test_auto_says_that_it_fell_back_to_the_cpu(scene, tmp_path):
     assert "no CUDA" not in asked[0]
 
 
+def test_the_list_of_commands_says_whole_sentences(tmp_path):
+    listed = porous_swim("--help", cwd=tmp_path).stdout.partition("Commands:")[2].splitlines()[1:]
+    assert len(listed) == 9
+    assert all(line.endswith(".") and not line.endswith("...") for line in listed)
+
+
 def test_an_unknown_option_is_answered_with_the_usage(tmp_path):
     result = porous_swim("run", "--colour", cwd=tmp_path)
     assert result.returncode == 2
@@ -156,6 +162,23 @@ def test_an_interrupted_run_is_readable_and_says_so(number, scene, tmp_path):
     RrdReader(recording).store()
     text = subprocess.run([sys.executable, "-m", "rerun", "rrd", "print", "-vvv", recording], capture_output=True)
     assert b"Interrupted" in text.stdout
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_an_interrupt_while_libraries_load_is_not_swallowed_by_them():
+    swallow = """
+import os, signal
+from porous_swim.interrupts import fatal
+with fatal():
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        sum(range(1000))
+    except BaseException:
+        pass
+print("went on")
+"""
+    done = subprocess.run([sys.executable, "-c", swallow], env=environment(), capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")  # a shell says 130
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs glibc's one-shot handlers")
@@ -245,6 +268,42 @@ def test_a_template_runs_where_it_is_written(tmp_path):
 def test_the_schema_is_json_and_names_the_sections(tmp_path):
     schema = json.loads(porous_swim("schema", cwd=tmp_path).stdout)
     assert {"swimmers", "obstacles", "noise", "run", "record"} <= set(schema["properties"])
+
+
+@pytest.fixture
+def unread():
+    """A pipe whose reader has gone, as after `| head -1`."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    yield writer
+    os.close(writer)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+@pytest.mark.parametrize(
+    "arguments", [("schema",), ("--help",), ("check", "small.yaml"), ("theory", "--dipole-strength", 1)]
+)
+def test_output_that_nobody_reads_ends_quietly_as_other_tools_do(arguments, scene, unread, tmp_path):
+    child = start(*arguments, cwd=tmp_path, stdout=unread)
+    _, stderr = child.communicate(timeout=60)
+    assert (child.returncode, stderr) == (128 + signal.SIGPIPE, "")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_a_run_whose_progress_nobody_reads_goes_on_to_its_end(scene, unread, tmp_path):
+    child = start("run", scene, cwd=tmp_path, stdout=unread, stderr=unread)
+    child.wait(timeout=300)
+    assert child.returncode == 128 + signal.SIGPIPE
+    assert ps.load_results(tmp_path / "runs/small").summary["status"] == "finished"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is full")
+@pytest.mark.parametrize("command", ["schema", "--help"])  # more and less than a buffer
+def test_output_that_cannot_be_written_is_one_sentence(command, tmp_path):
+    with open("/dev/full", "w") as full:
+        child = start(command, cwd=tmp_path, stdout=full)
+        _, stderr = child.communicate(timeout=60)
+    assert (child.returncode, stderr) == (1, "output: No space left on device\n")
 
 
 @pytest.mark.parametrize("web", [False, True])

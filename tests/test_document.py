@@ -43,6 +43,7 @@ def test_scalars_follow_yaml_1_2(text: str, value: object) -> None:
         ("a:\n\tb: 1\n", "s.yaml:2:1: a tab cannot indent or separate keys; use blanks"),
         ("", "s.yaml:1:1: the file is empty; a scene is a map of keys"),
         ("# nothing but this\n", "s.yaml:1:1: the file is empty; a scene is a map of keys"),
+        ("a: 1\n---\nb: 2\n", "s.yaml:2:1: expected one scene in a file, found the start of another (`---`)"),
         ("- 1\n", "s.yaml:1:1: a scene is a map of keys, found a list"),
         ("word", "s.yaml:1:1: a scene is a map of keys, found the single value 'word'"),
         ("a: {1: x}", "s.yaml:1:5: a: a key must be a word, found '1'"),

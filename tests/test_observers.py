@@ -175,6 +175,7 @@ def test_a_log_of_a_short_run_is_one_line_with_rate_and_fraction_bound(monkeypat
         now[0] += 1.0
         progress.observe(frame)
     progress.finish(interrupted=True)
+    progress.finish(interrupted=True)
     (line,) = stream.getvalue().splitlines()
     assert f"{950 * 30 / 20:.2e} swimmer-steps/s" in line
     assert "% bound" in line

@@ -242,12 +242,12 @@ def test_free_swimmers_are_compared_with_the_exact_walk(runs):
 
 
 def in_memory(encounters: Any, *, box: tuple[float, float, float] = (0.0, 0.0, 0.0), **options: Any) -> Results:
-    """Results without a folder: `n_colloids`, `n_frames` and `n_recorded` swimmers that do not move."""
+    """Results without a folder: `n_colloids`, `n_frames` and `n_recorded` swimmers that go straight at `speed`, 0."""
     n_colloids, n_frames, n_recorded = (options.get(key, 1) for key in ("n_colloids", "n_frames", "n_recorded"))
     about = synthetic.info(n_swimmers=max(n_recorded, 1), last_time=float(n_frames - 1), dimensions=2, box=box)
     clock, directors = np.arange(float(n_frames)), np.zeros((n_frames, n_recorded, 3))
     directors[..., 0] = 1.0
-    position = np.zeros((n_frames, n_recorded, 3)) + 2.5
+    position = 2.5 + options.get("speed", 0.0) * clock[:, None, None] * directors
     centers = np.column_stack([4.0 * np.arange(n_colloids), np.zeros(n_colloids), np.zeros(n_colloids)])
     tables = {
         "encounters": about.attach(encounters),
@@ -285,6 +285,14 @@ def test_a_run_that_lacks_things_has_a_page_that_says_so(options, sentence, tmp_
     assert sentence in page.text
     assert "kept in memory" in page.text
     assert not re.search(r"\bnan\b", page.text)
+
+
+@pytest.mark.parametrize("n_frames", [2, 3, 4, 5])
+def test_a_run_of_few_frames_has_a_page(n_frames, tmp_path):
+    nobody = synthetic.encounters(synthetic.info(), swimmer=[])
+    page = Page(ps.report(in_memory(nobody, n_frames=n_frames, n_recorded=3, speed=1.0), tmp_path))
+    # lags go up to half of the run, and an exponent is of two: frames 0 to 4
+    assert ("Too few frames or no motion were recorded" in page.text) == (n_frames < 5)
 
 
 def test_one_encounter_that_never_ends_is_said_to_be_stuck(pages):

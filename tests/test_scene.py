@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from porous_swim import schema
+from porous_swim.engine import backend
 from porous_swim.errors import SceneError
 from porous_swim.scene import Scene, load_scene
 
@@ -282,9 +283,33 @@ def test_colloids_that_do_not_fit_are_named_at_their_place_in_the_file(tmp_path:
         load(tmp_path, text).place_obstacles()
 
 
+def test_a_table_of_colloids_that_is_no_text_is_refused_in_plain_words(tmp_path: Path) -> None:
+    text = GOOD.replace("hexagonal, radius: 3.5, spacing: 10, cells: [4, 3]", "file, path: b.csv")
+    text = text.replace("dimensions: 2", "dimensions: 2, size: [20, 20]")
+    (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match=r"obstacles\.path: the file '.*b\.csv' cannot be read: it is not UTF-8 text$"):
+        load(tmp_path, text).place_obstacles()
+
+
+def test_no_other_device_is_guessed_and_threads_have_a_limit() -> None:
+    scene = load_scene(SCENES[0])
+    with pytest.raises(SceneError, match=r"run\.device: expected .* found 'gpu'$"):
+        scene.replace({"run.device": "gpu"})
+    with pytest.raises(SceneError, match=r"run\.threads: expected at most 1024, found 100000$"):
+        scene.replace({"run.threads": 100000})  # a process may have some 30 000, and then waits for ever
+
+
 def test_the_committed_schema_and_page_are_those_of_the_models() -> None:
     assert json.loads(schema.SCHEMA_FILE.read_text()) == schema.json_schema()
     assert schema.PAGE_FILE.read_text() == schema.scene_page()
+
+
+def test_the_page_says_that_auto_takes_no_vulkan_device_and_it_takes_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    (row,) = [line for line in schema.scene_page().splitlines() if line.startswith("| `device`")]
+    assert "`auto` takes CUDA or Metal where there is one, else the CPU. It never takes Vulkan" in row
+    for here, taken in (({"vulkan", "cpu"}, "cpu"), ({"vulkan", "cuda", "cpu"}, "cuda"), ({"metal", "cpu"}, "metal")):
+        monkeypatch.setattr(backend, "available", here.__contains__)
+        assert backend.choose("auto") == taken
 
 
 def test_every_key_says_what_it_is() -> None:

@@ -8,15 +8,20 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from porous_swim.analysis.summary import summarize, summary_lines
 from porous_swim.results import TIMESERIES_SCHEMA, TableInfo, make_table
 from tests import synthetic
 
 STATISTIC = {"value", "standard_error", "n", "n_censored", "unit"}
+THREE = np.arange(9.0).reshape(3, 3)  # centres of colloids
 
 
-def summary_of(encounters: pa.Table, *, persistence_time: float = 1.0, **options: Any) -> dict[str, Any]:
+def summary_of(
+    encounters: pa.Table, *, persistence_time: float = 1.0, n_recorded: int = 20, alike: bool = False,
+    centers: np.ndarray = THREE, radius: float = 1.0, **options: Any,
+) -> dict[str, Any]:  # fmt: skip
     about = TableInfo.of(encounters)
     columns = {field.name: np.zeros(1) for field in TIMESERIES_SCHEMA}
     columns |= {
@@ -25,12 +30,13 @@ def summary_of(encounters: pa.Table, *, persistence_time: float = 1.0, **options
         "msd_standard_error": np.array([0.5]),
     }
     clock = np.linspace(0.0, about.last_time, 11)
-    position = np.cumsum(np.random.default_rng(0).normal(size=(11, 4, 3)), axis=0)
+    position = np.cumsum(np.random.default_rng(0).normal(size=(11, n_recorded, 3)), axis=0)
+    position[:, 1:] = position[:, :1] if alike else position[:, 1:]
     return summarize(
         encounters,
-        synthetic.colloids(about, np.arange(9.0).reshape(3, 3)),
+        synthetic.colloids(about, centers, radius=radius),
         make_table(TIMESERIES_SCHEMA, columns, info=about),
-        synthetic.trajectory(about, clock, position, np.ones((11, 4, 3))),
+        synthetic.trajectory(about, clock, position, np.ones((11, n_recorded, 3))),
         persistence_time=persistence_time,
         **options,
     )
@@ -114,6 +120,58 @@ def test_a_diffusivity_from_a_short_run_is_warned_of_after_the_warnings_given() 
     assert not found["diffusivity"]["reliable"]
 
 
+@pytest.mark.parametrize(("n_recorded", "alike"), [(1, False), (19, False), (20, True), (20, False)])
+def test_a_diffusivity_of_few_swimmers_or_of_swimmers_alike_is_refused_as_by_the_report(n_recorded, alike) -> None:
+    found = summary_of(
+        synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), n_recorded=n_recorded, alike=alike
+    )
+    effective = found["diffusivity"]["effective"]
+    lines = summary_lines(found)
+    if n_recorded == 20 and not alike:
+        assert effective["n"] == 20
+        assert lines[-1].startswith("effective diffusivity")
+        return
+    assert (effective["value"], effective["standard_error"], effective["n"]) == (None, None, 0)
+    assert not any(line.startswith("effective diffusivity") for line in lines)
+    assert f"needs 20 recorded swimmers whose ways differ, of {n_recorded} here" in lines[-1]
+
+
+def rates_of(found: dict[str, Any]) -> dict[str, tuple[float | None, int]]:
+    """Value and n of what a run at one obstacle may lack."""
+    parts = {"hops": found["hops"]["rate"], "returns": found["returns"]["rate"], "winding": found["winding"]["rate"]}
+    return {name: (entry["value"], entry["n"]) for name, entry in parts.items()}
+
+
+def one_return(box: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> pa.Table:
+    """One swimmer, twice at the same colloid in 10 a/U, half a turn in each of 2 a/U."""
+    about = synthetic.info(last_time=10.0, box=box)
+    return synthetic.encounters(
+        about, swimmer=[0, 0], start_time=[0.0, 5.0], end_time=[2.0, 7.0], winding=[0.5, 0.5]
+    )  # fmt: skip
+
+
+def test_at_a_wall_nobody_hops_or_winds_but_swimmers_return() -> None:
+    found = summary_of(one_return(), centers=THREE[:1], radius=np.inf)
+    assert rates_of(found) == {"hops": (None, 0), "returns": (0.1, 1), "winding": (None, 0)}
+    assert all(entry["value"] is None and entry["n"] == 0 for entry in found["winding"].values())
+    lines = summary_lines(found)
+    assert not any(line.startswith(("hop rate", "winding")) for line in lines)
+    assert any(line.startswith("return rate per swimmer: 0.1 U/a (n = 1)") for line in lines)
+
+
+def test_around_one_colloid_alone_swimmers_wind_and_have_nowhere_to_hop() -> None:
+    found = rates_of(summary_of(one_return(), centers=THREE[:1]))
+    assert found == {"hops": (None, 0), "returns": (0.1, 1), "winding": (0.25, 2)}
+    repeated = rates_of(summary_of(one_return((10.0, 0.0, 0.0)), centers=THREE[:1]))
+    assert repeated["hops"] == (0.0, 0)  # its images are there, and were not reached
+
+
+def test_in_free_space_there_are_no_rates_of_hops_and_returns() -> None:
+    nothing = synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32))
+    found = rates_of(summary_of(nothing, centers=np.zeros((0, 3))))
+    assert found == {"hops": (None, 0), "returns": (None, 0), "winding": (None, 0)}
+
+
 def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() -> None:
     found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), warnings=["beware"])
     found["residence"]["mean"] = {
@@ -124,7 +182,7 @@ def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() 
     }  # fmt: skip
     lines = summary_lines(found)
     assert lines[0] == "residence time: 39.41 ± 0.14 a/U (n = 54973, 7293 censored)"
-    assert "hop rate per swimmer: 5.541e+04 ± 1.4e+02 U/a (n = 12)" in lines
+    assert "hop rate per swimmer: 55410 ± 140 U/a (n = 12)" in lines
     assert not any(line.startswith("hop time") for line in lines)
     assert lines[-1] == "warning: beware"
 
@@ -135,3 +193,11 @@ def test_a_summary_of_a_million_encounters_takes_seconds() -> None:
     start = time.perf_counter()
     summary_of(table)
     assert time.perf_counter() - start < 20.0  # some 5 s on one core; a loop over swimmers takes minutes
+
+
+def test_an_error_above_ten_is_no_power_of_ten() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)))
+    found["residence"]["mean"] = {
+        "value": 147.3, "standard_error": 183.2, "n": 2, "n_censored": 18, "unit": "a/U"
+    }  # fmt: skip
+    assert summary_lines(found)[0] == "residence time: 150 ± 180 a/U (n = 2, 18 censored)"

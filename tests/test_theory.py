@@ -138,17 +138,43 @@ def test_basin_depth_is_the_printed_closed_form() -> None:
     assert theory.basin_depth(0.8, 200.0) == pytest.approx(0.96 * 128.0**0.2, rel=1e-14)
 
 
+@pytest.mark.filterwarnings("ignore:mean_trapping_time")
 def test_mean_trapping_times_are_the_listed_integrals_and_estimates() -> None:
     noise = [5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 2e-2]
-    integral = [theory.mean_trapping_time(0.8, 20.0, 0.75 * D) for D in noise]
+    with pytest.warns(UserWarning, match="near-wall theory at small pitch does not hold"):
+        integral = [theory.mean_trapping_time(0.8, 20.0, 0.75 * D) for D in noise]
     assert integral == pytest.approx([2977, 135.6, 33.82, 16.12, 9.718, 5.686], rel=4e-4)  # digits listed
     for (A, D), listed in {(5.0, 0.002): 1.952, (50.0, 0.004): 66.4, (100.0, 0.008): 29.5}.items():
         assert theory.mean_trapping_time(0.8, A, 0.75 * D) == pytest.approx(listed, rel=1.7e-3)
-    with pytest.warns(UserWarning, match="use order='integral'"):
+    with pytest.warns(UserWarning, match="the integral is better"):
         estimate = [theory.mean_trapping_time(0.8, 20.0, 0.75 * D, order="estimate") for D in noise]
     assert estimate == pytest.approx([22.1, 18.4, 14.39, 10.87, 8.03, 5.27], abs=0.051)
 
 
+# (alpha, A, D): E[T_theta] of an independent simulator, with errors of 2 % and less
+SIMULATED = {
+    (0.8, 20.0, 5e-4): 60.5, (0.8, 20.0, 1e-3): 29.4, (0.8, 20.0, 2e-3): 18.1, (0.8, 20.0, 4e-3): 11.9,
+    (0.8, 20.0, 8e-3): 8.30, (0.8, 20.0, 2e-2): 5.68, (0.8, 5.0, 2e-3): 2.14, (0.8, 50.0, 4e-3): 42.3,
+    (0.8, 100.0, 8e-3): 24.0, (0.2, 20.0, 2e-3): 1.592, (0.2, 320.0, 2e-3): 8.76,
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore:mean_trapping_time")
+@pytest.mark.parametrize("at", SIMULATED)
+def test_the_integral_is_doubted_where_simulations_differ_from_it_by_a_fifth(at) -> None:
+    alpha, A, D = at
+    off = abs(theory.mean_trapping_time(alpha, A, 0.75 * D) / SIMULATED[at] - 1.0)
+    assert bool(theory.trapping_doubts(alpha, A, 0.75 * D)) == (off > 0.2)
+
+
+def test_the_integral_is_doubted_at_large_pitches_and_at_small_colloids() -> None:
+    (doubt,) = theory.trapping_doubts(4.0, 3.5, 0.0045)  # swimmers of the crystal: lift-off at 0.495, not at 1.5
+    assert "0.495 rad, not 1.5 rad" in doubt
+    assert theory.trapping_doubts(0.2, 0.8, 0.0015)  # the colloid is smaller than the height of the swimmer
+    assert theory.trapping_doubts(0.8, math.inf, 1e-6)  # infinite with the full equations too
+
+
+@pytest.mark.filterwarnings("ignore:mean_trapping_time")
 def test_survival_integrates_to_the_mean_and_falls_from_one_to_zero() -> None:
     times = np.linspace(0.0, 800.0, 40001)
     survival = theory.trapping_survival(times, 0.8, 20.0, 0.0015)
@@ -215,11 +241,37 @@ def test_the_command_prints_a_table_and_json(tmp_path) -> None:
     assert values["sliding time from pitch 0", "near wall"] == "infinite"
 
 
+def test_the_command_says_why_neither_trapping_time_holds_for_the_swimmers_of_the_crystal(tmp_path) -> None:
+    argv = ["theory", "--dipole-strength", "4", "--radius", "3.5", "--diffusion", "0.006"]
+    done = porous_swim(*argv, cwd=tmp_path)
+    integral, estimate = done.stdout.splitlines()[-2:]
+    for line in (integral, estimate):
+        assert "out of its range: near-wall theory at small pitch does not hold here" in line
+    assert "expansion for u below 0.5" in estimate
+    assert done.stderr == ""
+
+
 @pytest.mark.parametrize(
     ("argv", "sentence"),
     [
         (["--dipole-strength", "0.8", "--aspect-ratio", "2"], "theory: aspect_ratio: found 2"),
-        (["--dipole-strength", "0.8", "--radius", "-2"], "theory: radius: found -2"),
+        *(
+            (
+                ["--dipole-strength", "0.8", "--radius", radius],
+                f"theory: radius: found {radius}, allowed are numbers above 0, or inf for a plane wall",
+            )
+            for radius in ("-2", "0", "nan")
+        ),
+        *(
+            (
+                ["--dipole-strength", "0.8", "--radius", "20", "--diffusion", D],
+                f"theory: diffusion: found {D}, allowed are finite numbers above 0",
+            )
+            for D in ("inf", "0", "-1", "nan")
+        ),
+        (["--dipole-strength", "1e300"], "theory: found numbers whose powers are beyond double precision"),
+        (["--dipole-strength", "nan"], "theory: dipole_strength: found nan, allowed are finite numbers"),
+        (["--dipole-strength", "-inf"], "theory: dipole_strength: found -inf, allowed are finite numbers"),
         (["--dipole-strength", "0.8", "--diffusion", "0.1"], "theory: --diffusion needs a --radius"),
     ],
 )
@@ -228,3 +280,9 @@ def test_the_command_refuses_in_one_sentence(argv, sentence: str, tmp_path) -> N
     assert done.returncode == 2
     assert done.stderr.startswith(sentence)
     assert done.stderr.count("\n") == 1
+
+
+def test_the_command_prints_what_holds_beside_what_does_not(tmp_path) -> None:
+    table = porous_swim("theory", "--dipole-strength", "8", "--radius", "3", cwd=tmp_path).stdout
+    assert "1.69454 a" in table  # the exact critical radius
+    assert table.count("none (dipole_strength: found 8, but near-wall theory needs") == 5

@@ -26,6 +26,7 @@ ROUNDING = 1e-12  # relative: a few conversions in double precision
         ("10 um/s", "speed", 2.0), ("1 mm/hour", "speed", 1000.0 / 3600.0 / 5.0),
         ("0.25 um^2/s", "diffusivity", 0.05), ("2.5e-13 m**2/s", "diffusivity", 0.05),
         ("0.057 rad^2/s", "rotational diffusivity", 0.0114), ("0.057 1/s", "rotational diffusivity", 0.0114),
+        ("0.057 Hz", "rotational diffusivity", 0.0114), ("57000 mrad rad/s", "rotational diffusivity", 11.4),
         # alpha = p/(8 pi mu U a^2) = 0.45e-18 N m/(8 pi 0.89e-3 Pa s 5e-6 m/s 1e-12 m^2)
         ("0.45 pN um", "dipole", 4.023580021986),
         # D = kT/(6 pi mu a) = 4.141947e-21 J/(6 pi 0.89e-3 Pa s 1e-6 m) = 2.46896e-13 m^2/s,
@@ -52,6 +53,28 @@ def test_degrees_of_angle_are_turned_into_radians() -> None:
 def test_what_is_no_length_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="length"):
         read_quantity(text, "length")
+
+
+@pytest.mark.parametrize(
+    "text", ["0.19 rad/s", "11 deg/s", "2 mrad/s", "1 turn/min", "1 rad^3/s", "1 s/rad^2", "1 rad^2"]
+)
+def test_a_rate_of_turning_is_no_rotational_diffusivity(text: str) -> None:
+    with pytest.raises(
+        ValueError, match=r"expected a rotational diffusivity such as `0.19 rad\^2/s` or `0.19 1/s`, found"
+    ):
+        read_quantity(text, "rotational diffusivity")
+
+
+@pytest.mark.parametrize(("text", "dimension"), [("5 um rad", "length"), ("5 um rad/s", "speed"), ("1 s/rad", "time")])
+def test_an_angle_belongs_to_no_other_quantity(text: str, dimension: str) -> None:
+    with pytest.raises(ValueError, match=f"expected a {dimension} such as"):
+        read_quantity(text, dimension)
+
+
+def test_a_scene_names_the_key_of_a_rate_of_turning() -> None:
+    noise = {"kind": "brownian", "translational_diffusion": "1 um^2/s", "rotational_diffusion": "0.19 rad/s"}
+    with pytest.raises(SceneError, match=r"noise\.rotational_diffusion: .*`0.19 rad\^2/s`.*found '0.19 rad/s'"):
+        Scene.from_mapping(physical() | {"noise": noise})
 
 
 def test_time_follows_from_length_and_speed() -> None:

@@ -17,6 +17,7 @@ from porous_swim.results import TableInfo
 LINEAR = 0.05  # p-value from which a window counts as linear
 FEWEST_LAGS, MOST_LAGS = 4, 8
 SWIMMERS_PER_LAG = 5  # fewer leave the covariance of the lags too uncertain to invert
+FEWEST_SWIMMERS = FEWEST_LAGS * SWIMMERS_PER_LAG
 MOST_GROUPS = 200  # of swimmers, left out in turn: its error is then known to 5 %
 ALIKE = 1e-10  # relative spread of squared displacements
 
@@ -79,6 +80,14 @@ def effective_diffusivity(
             return found
         fits_before = found.linear
     return replace(found, linear=False)
+
+
+def none_for(n: int) -> str:
+    """Why there is none for `n` swimmers: a sentence for reports and summaries."""
+    return (
+        f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} recorded swimmers whose ways differ, "
+        f"of {n} here (record.swimmers)."
+    )
 
 
 def _nothing(n: int, level: float) -> EffectiveDiffusivity:

@@ -10,6 +10,8 @@ import numpy as np
 
 from porous_swim.analysis.columns import numbered
 
+NONE = "–"  # in place of a number that there is none of
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -21,6 +23,11 @@ class Estimate:
     n_censored: int  # samples of which only a part was seen
     unit: str  # "" for a pure number
 
+    @classmethod
+    def none(cls, unit: str) -> Estimate:
+        """A statistic that there is none of."""
+        return cls(math.nan, math.nan, 0, 0, unit)
+
     def as_dict(self) -> dict[str, Any]:
         """The same for JSON: what is not finite becomes null."""
         return {
@@ -30,6 +37,24 @@ class Estimate:
             "n_censored": self.n_censored,
             "unit": self.unit,
         }
+
+
+def value_and_error(value: float, error: float | None, *, digits: int = 4) -> str:
+    """`39.41 ± 0.14`: two digits of the error, and the value to the same place; without an error so many `digits`."""
+    if not math.isfinite(value):
+        return NONE
+    if error is None or not math.isfinite(error):
+        return f"{value:.{digits}g}"
+    if error == 0.0:
+        return f"{value:.6g} ± 0"
+    place = 1 - math.floor(math.log10(error))
+    if 0 <= place <= 6:
+        return f"{value:.{place}f} ± {error:.{place}f}"
+    power = math.floor(math.log10(max(abs(value), error)))
+    if -3 < power < 6:
+        return f"{round(value, place):.{max(place, 0)}f} ± {round(error, place):.{max(place, 0)}f}"
+    digits = max(place + power, 0)
+    return f"({value / 10.0**power:.{digits}f} ± {error / 10.0**power:.{digits}f})e{power:+03d}"
 
 
 def _finite_or_none(number: float) -> float | None:

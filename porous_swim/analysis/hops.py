@@ -129,7 +129,11 @@ class HopStatistics:
 
 
 def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
-    """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`."""
+    """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`.
+
+    Without a second colloid, or an image of the one, there is nowhere to hop, and without any nowhere to return: no
+    rates, not rates of 0.
+    """
     info = TableInfo.of(encounters)
     every = moves(encounters)
     same = same_colloid(every)
@@ -142,9 +146,10 @@ def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
     def mean(values: np.ndarray, unit: str) -> Estimate:
         return Estimate(*ratio_of_sums(swimmers.sums(values), counts), len(hopped), 0, unit)
 
+    elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
-        hop_rate=_rate(hopped, info),
-        return_rate=_rate(returned, info),
+        hop_rate=_rate(hopped, info) if elsewhere else Estimate.none("U/a"),
+        return_rate=_rate(returned, info) if len(colloids) else Estimate.none("U/a"),
         time=mean(hopped.time, "a/U"),
         length=mean(length, "a"),
         displacement=mean(np.linalg.norm(hopped.displacement, axis=1), "a"),
@@ -166,7 +171,7 @@ def hop_vectors(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, f
 
 def _rate(counted: Moves, info: TableInfo) -> Estimate:
     if info.duration <= 0.0:
-        return Estimate(np.nan, np.nan, 0, 0, "U/a")
+        return Estimate.none("U/a")
     counts = Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))
     value, error = mean_over_swimmers(counts / info.duration, n_swimmers=info.n_swimmers)
     return Estimate(value, error, len(counted), 0, "U/a")

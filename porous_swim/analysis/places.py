@@ -23,12 +23,16 @@ def radii_of(colloids: pa.Table) -> np.ndarray:
     return column(colloids, "radius")[np.argsort(column(colloids, "colloid"))]
 
 
+def at_wall(colloids: pa.Table) -> bool:
+    """Whether the one obstacle is a plane wall, whose radius is infinite."""
+    return bool(np.any(np.isinf(radii_of(colloids))))
+
+
 def sphere_radii_of(colloids: pa.Table) -> np.ndarray:
     """The same where offsets from centres must mean something; `ResultsError` for a plane wall."""
-    radii = radii_of(colloids)
-    if np.any(np.isinf(radii)):
+    if at_wall(colloids):
         raise ResultsError("colloids: found a plane wall, which has no centre; this statistic is one of spheres")
-    return radii
+    return radii_of(colloids)
 
 
 def neighbour_distances(colloids: pa.Table, *, box: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:

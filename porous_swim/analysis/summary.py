@@ -10,7 +10,8 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column
-from porous_swim.analysis.estimates import Estimate
+from porous_swim.analysis.diffusion import ALIKE, FEWEST_SWIMMERS, none_for
+from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
     bound_fraction,
@@ -52,12 +53,12 @@ def summarize(
     return {
         "residence": _waiting(residence),
         "escape_pitch_time": _waiting(passage),
-        "winding": _winding(winding(encounters)),
+        "winding": _winding(winding(encounters, colloids)),
         **_moves(hop_statistics(encounters, colloids)),
         "flights": _waiting(flights(encounters)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": late.estimate().as_dict(),
+            "effective": (late.estimate() if _shows_diffusion(late) else Estimate.none("a U")).as_dict(),
             "window": list(late.window),
             "reliable": late.reliable,
         },
@@ -99,7 +100,7 @@ def _moves(moves: HopStatistics) -> dict[str, Any]:
 
 def _final_msd(timeseries: pa.Table, info: TableInfo) -> dict[str, Any]:
     if len(timeseries) == 0:
-        return {"final": Estimate(math.nan, math.nan, 0, 0, "a^2").as_dict(), "time": None}
+        return {"final": Estimate.none("a^2").as_dict(), "time": None}
     value, error = (float(column(timeseries, name)[-1]) for name in ("msd", "msd_standard_error"))
     final = Estimate(value, error, info.n_swimmers, 0, "a^2")
     return {"final": final.as_dict(), "time": float(column(timeseries, "time")[-1])}
@@ -129,8 +130,15 @@ def _passage_warnings(encounters: pa.Table) -> Iterable[str]:
         yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
 
 
+def _shows_diffusion(late: Diffusivity) -> bool:
+    """Whether enough swimmers went ways of their own: the slope of a few is mere chance, and may be below 0."""
+    return late.n >= FEWEST_SWIMMERS and late.standard_error > ALIKE * abs(late.value)
+
+
 def _diffusivity_warnings(late: Diffusivity, persistence_time: float) -> Iterable[str]:
-    if late.n and math.isinf(persistence_time):
+    if late.n and not _shows_diffusion(late):
+        yield none_for(late.n)
+    elif late.n and math.isinf(persistence_time):
         yield "Without rotational noise nothing makes the motion diffusive: the effective diffusivity means little."
     elif late.n and not late.reliable:
         yield (
@@ -181,17 +189,4 @@ def _in_words(statistic: Mapping[str, Any]) -> str:
     counts = f"n = {statistic['n']}"
     if statistic["n_censored"]:
         counts += f", {statistic['n_censored']} censored"
-    return f"{_rounded(value, error)}{' ' + unit if unit else ''} ({counts})"
-
-
-def _rounded(value: float, error: float | None) -> str:
-    """`39.41 ± 0.14`: two digits of the error, and the value to the same place."""
-    if error is None:
-        return f"{value:.3g}"
-    if error == 0.0:
-        return f"{value:.6g} ± 0"
-    place = 1 - math.floor(math.log10(error))
-    if 0 <= place <= 6:
-        return f"{value:.{place}f} ± {error:.{place}f}"
-    digits = max(1, 1 + place + (math.floor(math.log10(abs(value))) if value else 0))
-    return f"{value:.{digits}g} ± {error:.2g}"
+    return f"{value_and_error(value, error, digits=3)}{' ' + unit if unit else ''} ({counts})"

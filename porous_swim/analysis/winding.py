@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
+from porous_swim.analysis.places import at_wall
 from porous_swim.analysis.residence import residence_lengths
 
 
@@ -26,8 +27,14 @@ class Winding:
     """Fraction of the completed encounters that wound more than one turn."""
 
 
-def winding(encounters: pa.Table) -> Winding:
-    """Winding statistics of a table of encounters; errors are a jackknife over swimmers."""
+def winding(encounters: pa.Table, colloids: pa.Table | None = None) -> Winding:
+    """Winding statistics of a table of encounters; errors are a jackknife over swimmers.
+
+    There are none where `colloids` is a plane wall: nobody winds around it.
+    """
+    if colloids is not None and at_wall(colloids):
+        nothing = Estimate.none("turns")
+        return Winding(nothing, nothing, Estimate.none("turns U/a"), Estimate.none(""))
     turns = column(encounters, "winding")
     net = np.abs(column(encounters, "signed_winding"))
     ended, seen = ~column(encounters, "end_censored"), ~column(encounters, "start_censored")

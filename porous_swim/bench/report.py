@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from porous_swim.bench import answer, conditions, fields, one_colloid, peers, recording, threads
-from porous_swim.bench.figure import QUICK, Counts, Group, Setting
+from porous_swim.bench.figure import QUICK, Counts, Figure, Group, Setting
 from porous_swim.bench.reference import References, compilers
 from porous_swim.errors import SceneError
+from porous_swim.printing import tell
 
 GROUPS: dict[str, Group] = {
     "one_colloid": one_colloid.figures,
@@ -51,8 +52,8 @@ def benchmark(names: Sequence[str], *, quick: bool) -> dict[str, Any]:
         references = _references(Path(name), counts) if NEED_C & set(wanted) else References()
         setting = Setting(counts, Path(name), references)
         for group in wanted:
-            print(f"bench: {group}", file=sys.stderr, flush=True)
-            figures[group] = [figure.as_dict() for figure in GROUPS[group](setting)]
+            tell(f"bench: {group}", sys.stderr)
+            figures[group] = [_judged(figure, quick) for figure in GROUPS[group](setting)]
     return {
         "machine": {**_machine(), "load_before": load, "load_after": os.getloadavg()[0]},
         "c": {kind: one and one.name for kind, one in vars(references).items()},
@@ -83,10 +84,15 @@ def text(found: dict[str, Any]) -> str:
     return "\n".join([*lines, table[0], rule, *table[1:], "", end])
 
 
+def _judged(figure: Figure, quick: bool) -> dict[str, Any]:
+    """A figure as plain data; tiny counts give no speed to hold against a target."""
+    return figure.as_dict() | ({"verdict": ""} if quick else {})
+
+
 def _chosen(names: Sequence[str]) -> list[str]:
     for name in names:
         if name not in GROUPS:
-            near = difflib.get_close_matches(name, GROUPS, n=1, cutoff=0.4)
+            near = difflib.get_close_matches(name, GROUPS, n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
             raise SceneError(f"bench {name}: there is no such group{hint}; there are: {', '.join(GROUPS)}")
     return [name for name in GROUPS if not names or name in names]
@@ -96,7 +102,7 @@ def _references(folder: Path, counts: Counts) -> References:
     """C, or one line that says why there is none."""
     references = References.build(folder, n_swimmers=counts.n_swimmers, n_steps=counts.n_steps, rounds=counts.rounds)
     if references.blocked is None:
-        print("bench: no C compiler (clang or gcc) that works was found: ratios to C are left out", file=sys.stderr)
+        tell("bench: no C compiler (clang or gcc) that works was found: ratios to C are left out", sys.stderr)
     return references
 
 

@@ -57,9 +57,7 @@ def choose(device: str) -> str:
         return next(name for name in AUTO_ORDER if available(name))
     if not available(device):
         here = ", ".join(name for name in DEVICES if available(name))
-        raise DeviceError(
-            f"device: no {device} device was found on this machine; here are: {here} (auto takes the best)"
-        )
+        raise DeviceError(f"device: no {device} device was found on this machine; here are: {here}")
     return device
 
 

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as Bar
 
 from porous_swim.observers.base import FREE, Every, Frame
+from porous_swim.printing import tell
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
 
@@ -100,16 +101,17 @@ class ProgressLines:
             self._write(frame, left=self._rate.seconds_left(frame.step, n_steps=self._n_steps))
 
     def finish(self, *, interrupted: bool) -> None:
-        """Write the last line."""
-        if self._last is not None:
-            self._write(self._last, left=None, end=", interrupted" if interrupted else "")
+        """Write the last line, once: a second Ctrl-C may come while the run is being ended."""
+        last, self._last = self._last, None
+        if last is not None:
+            self._write(last, left=None, end=", interrupted" if interrupted else "")
 
     def _write(self, frame: Frame, *, left: float | None, end: str = "") -> None:
         self._last_line = time.monotonic()
         share = 100.0 * frame.step / max(self._n_steps, 1)
         ahead = "" if left is None else f", {_duration(left)} left"
         line = f"{share:5.1f} %  {_state(self._rate.at(frame.step), frame)}{ahead}{end}"
-        print(line, file=self._stream, flush=True)
+        tell(line, self._stream)
 
 
 class ProgressBar:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Literal
 
 import numpy as np
 
@@ -33,7 +34,7 @@ def reproduce(quick: bool) -> Reproduction:
         ours, own_error = mean_of(times.pitch)
         text = f"A = {key[0]:g}, D = {key[1]:g}"
         rows.append(Row(f"{text}: E[T_theta]", ours, own_error, independent=value, independent_error=error))
-        computed = theory.mean_trapping_time(0.8, key[0], 0.75 * key[1])
+        computed = _closed(Case(key[0], 0.8, key[1]), "integral")
         rows.append(Row(f"{text}: integral", computed, independent=integral, digit=10.0 ** _last_digit(integral)))
     horizon = scene.run.duration
     radii = np.linspace(5.0, 120.0, 8 if quick else 24)
@@ -41,12 +42,7 @@ def reproduce(quick: bool) -> Reproduction:
     grid = [Case(float(A), 0.8, float(D)) for A in radii for D in noises]
     results = trapping_times(scene.replace({"swimmers.count": 10, "run.time_step": 0.005} if quick else {}), grid)
     simulated = np.array([times.pitch.mean() for times in results])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the figure shows where the estimate fails
-        closed = {
-            order: np.array([theory.mean_trapping_time(0.8, case.radius, 0.75 * case.D, order=order) for case in grid])
-            for order in ("estimate", "integral")
-        }
+    closed = {order: np.array([_closed(case, order) for case in grid]) for order in ("estimate", "integral")}
     columns = {
         "radius": np.array([case.radius for case in grid]), "D": np.array([case.D for case in grid]),
         "simulated": simulated, **closed,
@@ -68,6 +64,12 @@ def reproduce(quick: bool) -> Reproduction:
         return picture
 
     return Reproduction({"grid": columns}, rows, draw, notes)
+
+
+def _closed(case: Case, order: Literal["integral", "estimate"]) -> float:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the figure shows where these fail
+        return theory.mean_trapping_time(case.alpha, case.radius, 0.75 * case.D, order=order)
 
 
 def _last_digit(value: float) -> int:

@@ -17,7 +17,7 @@ def chosen(names: Sequence[str]) -> list[str]:
     """The figures named, in the paper's order; all where none is. `SceneError` for an unknown name."""
     for name in names:
         if name not in FIGURES:
-            near = difflib.get_close_matches(name, FIGURES, n=1, cutoff=0.4)
+            near = difflib.get_close_matches(name, FIGURES, n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
             raise SceneError(f"reproduce {name}: there is no such figure{hint}; there are: {', '.join(FIGURES)}")
     return [name for name in FIGURES if not names or name in names]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from porous_swim.analysis import EffectiveDiffusivity, effective_diffusivity, msd_exponent, time_averaged_msd
+from porous_swim.analysis.diffusion import none_for
 from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
 from porous_swim.plots.style import Shown
@@ -46,10 +47,10 @@ def section(runs: Sequence[Run]) -> Section:
 
 
 def _displacements(run: Run) -> displacements.Displacements | None:
-    """None where nothing moves, or no two frames are half of the run apart."""
+    """None where nothing moves, or half of the run has room for fewer than two lags: an exponent is of two."""
     trajectory, info, scene = run.results.trajectory, run.results.info, run.scene
     squares = time_averaged_msd(trajectory)
-    if len(squares.lag) == 0 or not np.all(squares.value > 0.0):
+    if len(squares.lag) < 2 or not np.all(squares.value > 0.0):
         return None
     free = None
     if scene is not None and len(run.results.colloids) == 0:
@@ -76,7 +77,7 @@ def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
 
 def _doubts(fit: EffectiveDiffusivity) -> list[str]:
     if not np.isfinite(fit.value):
-        return [f"No effective diffusivity was fitted: that needs 20 swimmers whose ways differ, of {fit.n} recorded."]
+        return [none_for(fit.n)]
     if not fit.linear:
         return [
             f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "

@@ -6,27 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from porous_swim.analysis.estimates import NONE, value_and_error
 from porous_swim.plots.scales import Scales, pretty
-
-NONE = "–"
-
-
-def value_and_error(value: float, error: float | None, *, digits: int = 4) -> str:
-    """`39.41 ± 0.14`: two digits of the error, and the value to the same place; without an error so many `digits`."""
-    if not math.isfinite(value):
-        return NONE
-    if error is None or not math.isfinite(error):
-        return f"{value:.{digits}g}"
-    if error == 0.0:
-        return f"{value:.6g} ± 0"
-    place = 1 - math.floor(math.log10(error))
-    if 0 <= place <= 6:
-        return f"{value:.{place}f} ± {error:.{place}f}"
-    power = math.floor(math.log10(max(abs(value), error)))
-    if -3 < power < 6:
-        return f"{round(value, place):.{max(place, 0)}f} ± {round(error, place):.{max(place, 0)}f}"
-    digits = max(place + power, 0)
-    return f"({value / 10.0**power:.{digits}f} ± {error / 10.0**power:.{digits}f})e{power:+03d}"
 
 
 def with_unit(value: float, error: float | None, unit: str) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis import hop_table
-from porous_swim.analysis.places import radii_of
+from porous_swim.analysis.places import at_wall
 from porous_swim.errors import SceneError
 from porous_swim.obstacles.wall import Wall
 from porous_swim.parts import unit_vector
@@ -42,7 +42,7 @@ class Run:
     @property
     def at_wall(self) -> bool:
         """Whether the one obstacle is a plane wall, whose radius is infinite in the table of colloids."""
-        return bool(np.any(np.isinf(radii_of(self.results.colloids))))
+        return at_wall(self.results.colloids)
 
     @cached_property
     def wall_normal(self) -> np.ndarray | None:

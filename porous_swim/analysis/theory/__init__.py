@@ -18,6 +18,7 @@ from porous_swim.analysis.theory.scattering import scattering_angle, sliding_tim
 from porous_swim.analysis.theory.trapping import (
     inverse_gaussian,
     mean_trapping_time,
+    trapping_doubts,
     trapping_survival,
 )
 
@@ -33,6 +34,7 @@ __all__ = [
     "rates",
     "scattering_angle",
     "sliding_time",
+    "trapping_doubts",
     "trapping_survival",
     "winding",
 ]

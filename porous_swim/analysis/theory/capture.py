@@ -7,7 +7,13 @@ from typing import Literal
 
 from scipy.optimize import brentq
 
-from porous_swim.analysis.theory.domain import bretherton, check_aspect_ratio, check_order, check_positive
+from porous_swim.analysis.theory.domain import (
+    bretherton,
+    check_aspect_ratio,
+    check_finite,
+    check_order,
+    check_positive,
+)
 from porous_swim.analysis.theory.motion import height_and_slope, rates, turning_over_cosine
 
 Order = Literal["exact", "leading", "improved"]
@@ -29,6 +35,7 @@ def critical_radius(dipole_strength: float, aspect_ratio: float = 1.0, *, order:
     Raises:
         ValueError: an argument outside of its range; no sphere of radius above 1e-3 lets the swimmer go.
     """
+    check_finite(dipole_strength=dipole_strength)
     check_aspect_ratio(aspect_ratio)
     check_order(order, ("exact", "leading", "improved"))
     alpha = dipole_strength
@@ -66,6 +73,7 @@ def escape_angle(
     at the critical radius, where its pitch is at rest. `leading` is 3 alpha/(8 gamma^2) whatever the radius, not
     bounded by pi/2. Below zero for a puller. `ValueError` for an argument outside of its range.
     """
+    check_finite(dipole_strength=dipole_strength)
     check_aspect_ratio(aspect_ratio)
     check_order(order, ("exact", "leading"))
     check_positive(radius=radius)

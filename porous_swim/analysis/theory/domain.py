@@ -10,7 +10,15 @@ def check_positive(**values: float) -> None:
     """`ValueError` unless each value is a finite number above 0, or infinity for a radius."""
     for name, value in values.items():
         if not value > 0.0 or (math.isinf(value) and name != "radius"):
-            raise ValueError(f"{name}: found {value:g}, allowed are finite values above 0")
+            allowed = "numbers above 0, or inf for a plane wall" if name == "radius" else "finite numbers above 0"
+            raise ValueError(f"{name}: found {value:g}, allowed are {allowed}")
+
+
+def check_finite(**values: float) -> None:
+    """`ValueError` unless each value is a finite number."""
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: found {value:g}, allowed are finite numbers")
 
 
 def check_aspect_ratio(aspect_ratio: float) -> None:

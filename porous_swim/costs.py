@@ -1,0 +1,53 @@
+"""How long a run will take, before it is made. In seconds of an idle CPU, within a factor of two."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+from porous_swim.engine.engine import LANES
+from porous_swim.obstacles.field import ObstacleField
+from porous_swim.physics.contact import Shape, shape_of
+from porous_swim.scene import Scene
+
+# A swimmer-step on one thread of a present-day x86-64 CPU whose other threads swim too, measured in a crystal.
+NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
+    ("euler", "f32"): {"sphere": 30.0, "flat": 30.0, "rod": 70.0, "needle": 220.0},
+    ("euler", "f64"): {"sphere": 55.0, "flat": 55.0, "rod": 170.0, "needle": 450.0},
+    ("reflected", "f32"): {"sphere": 50.0, "flat": 50.0, "rod": 95.0, "needle": 330.0},
+    ("reflected", "f64"): {"sphere": 85.0, "flat": 85.0, "rod": 240.0, "needle": 700.0},
+    ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
+}
+COMPILING = 10.0  # of a kernel that is not in the cache
+_STARTING = 2.5  # Python, placing, a kernel from the cache, tables and summary of few encounters
+_FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = 1.8e-3, 0.2e-6, 1.6e-6  # a look at the run; of it each swimmer, each recorded
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Where the time of a run will go."""
+
+    swimming: float
+    recording: float  # frames, tables
+    n_threads: int  # that swim
+
+    @property
+    def total(self) -> float:
+        """All of a run whose kernel is in the cache."""
+        return _STARTING + self.swimming + self.recording
+
+
+def expected_seconds(scene: Scene, field: ObstacleField) -> Seconds:
+    """The time of a run on the threads of its scene. A thread has a block of lanes at a time, full or not."""
+    n, shape = scene.swimmers.count, shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
+    lanes = 1 if scene.integrator == "located" else LANES
+    n_blocks = math.ceil(n / lanes)
+    n_threads = min(scene.run.threads or os.cpu_count() or 1, n_blocks)
+    lane_steps = lanes * math.ceil(n_blocks / n_threads) * scene.n_steps
+    n_frames = scene.n_steps // scene.record_period + 1
+    return Seconds(
+        swimming=1e-9 * NANOSECONDS[scene.integrator, scene.precision][shape] * lane_steps,
+        recording=n_frames * (_FRAME + _FRAME_SWIMMER * n + _FRAME_RECORDED * scene.n_recorded),
+        n_threads=n_threads,
+    )
