@@ -18,8 +18,8 @@ def sweep(
     """Run a scene once for each set of changed keys, as `Scene.replace` takes them; the kernel is compiled once.
 
     Each set has results of its own, those of its scene run alone, so that every statistic of `analysis` is one of each
-    set: swimmers, colloids and duration may differ. All have the seed of `scene` and so the same noise, which makes
-    differences between sets more certain than their errors say; with a `run.seed` in each they are independent.
+    set: swimmers, colloids and duration may differ. All have the seed of `scene` and so the same noise, unless
+    each has a `run.seed` of its own: only then are their errors independent.
 
     Args:
         scene: what all sets share.
