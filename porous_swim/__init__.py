@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from porous_swim.results import Results, load_results
     from porous_swim.scene import Scene, load_scene
     from porous_swim.simulation import Simulation, run
+    from porous_swim.sweeps import sweep
 
 __all__ = [
     "DeviceError",
@@ -40,6 +41,7 @@ __all__ = [
     "load_scene",
     "report",
     "run",
+    "sweep",
     "theory",
 ]
 
@@ -50,6 +52,7 @@ _HOME = {
     "results": ("Results", "load_results"),
     "scene": ("Scene", "load_scene"),
     "simulation": ("Simulation", "run"),
+    "sweeps": ("sweep",),
     "engine.probe": ("contact_height", "drift"),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}

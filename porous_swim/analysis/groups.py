@@ -2,7 +2,8 @@
 
 A part of a table keeps its `TableInfo`: fractions of time and rates are still per swimmer of the whole run. What
 depends on a swimmer's next encounter (flights, hops, escape-pitch times) needs the whole table: take the whole
-`Lifetimes` and select from them with `encounter_radii`.
+`Lifetimes` and select from them with `encounter_radii`. Sets of parameters are runs of their own, with tables and
+swimmers of their own: `porous_swim.sweep`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def by_radius(encounters: pa.Table, colloids: pa.Table) -> dict[float, pa.Table]
 
 
 def by_column(table: pa.Table, name: str) -> dict[float, pa.Table]:
-    """The rows for each value of one column, smallest first: a colloid, or a set of parameters where it is a column."""
+    """The rows for each value of one column, smallest first: of each colloid, say."""
     return _parts(table, column(table, name))
 
 

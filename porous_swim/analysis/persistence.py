@@ -9,7 +9,14 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.lagged import TimeAverages, director_overlap, even_frames, lag_averages, scalar_products
+from porous_swim.analysis.lagged import (
+    TimeAverages,
+    director_overlap,
+    error_of_mean,
+    even_frames,
+    lag_averages,
+    scalar_products,
+)
 
 
 @dataclass(frozen=True)
@@ -30,9 +37,10 @@ class Persistence:
 def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Persistence:
     """Project displacements on the director at their start, as far as the first lag at which that is forgotten.
 
-    That is the first lag at which the correlation of directors is less than two standard errors above 0. Where
-    swimmers orbit it crosses 0 after a quarter of an orbit: the length is then that of the arc. See `lag_averages` for
-    `lags`.
+    That is the first lag at which the correlation of directors is less than two standard errors above 0. What is
+    left of it there is taken to decay exponentially: the length is projection/(1 - correlation), without which some
+    two errors were missing. Where swimmers orbit the correlation crosses 0 after a quarter of an orbit: the length is
+    then that of the arc. See `lag_averages` for `lags`.
     """
     recorded = even_frames(trajectory)
     projection = lag_averages(recorded, lambda step, before, after: scalar_products(step, before), lags=lags)
@@ -40,7 +48,11 @@ def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Pers
     forgotten = np.flatnonzero(correlation.value < 2.0 * correlation.standard_error)
     if len(projection.lag) == 0:
         return Persistence(Estimate(math.nan, math.nan, 0, 0, "a"), math.nan, False, projection, correlation)
-    at = int(forgotten[0]) if len(forgotten) else len(projection.lag) - 1
-    value, error = float(projection.value[at]), float(projection.standard_error[at])
-    length = Estimate(value, error, projection.n, 0, "a")
-    return Persistence(length, float(projection.lag[at]), len(forgotten) > 0, projection, correlation)
+    reached = len(forgotten) > 0
+    at = int(forgotten[0]) if reached else len(projection.lag) - 1
+    lost = 1.0 - float(correlation.value[at]) if reached else 1.0
+    value = float(projection.value[at]) / lost
+    # What each swimmer adds to the ratio, to first order (infinitesimal jackknife).
+    each = (projection.each[at] + (value * correlation.each[at] if reached else 0.0)) / lost
+    length = Estimate(value, float(error_of_mean(each[None])[0]), projection.n, 0, "a")
+    return Persistence(length, float(projection.lag[at]), reached, projection, correlation)
