@@ -13,15 +13,19 @@ from porous_swim.scene import Scene
 
 # A swimmer-step on one thread of a present-day x86-64 CPU whose other threads swim too, measured in a crystal.
 NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
-    ("euler", "f32"): {"sphere": 30.0, "flat": 30.0, "rod": 70.0, "needle": 220.0},
-    ("euler", "f64"): {"sphere": 55.0, "flat": 55.0, "rod": 170.0, "needle": 450.0},
-    ("reflected", "f32"): {"sphere": 50.0, "flat": 50.0, "rod": 95.0, "needle": 330.0},
-    ("reflected", "f64"): {"sphere": 85.0, "flat": 85.0, "rod": 240.0, "needle": 700.0},
+    ("euler", "f32"): {"sphere": 12.0, "flat": 12.0, "rod": 25.0, "needle": 85.0},
+    ("euler", "f64"): {"sphere": 17.0, "flat": 17.0, "rod": 45.0, "needle": 130.0},
+    ("reflected", "f32"): {"sphere": 17.0, "flat": 17.0, "rod": 38.0, "needle": 130.0},
+    ("reflected", "f64"): {"sphere": 28.0, "flat": 28.0, "rod": 70.0, "needle": 215.0},
     ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
 }
 COMPILING = 10.0  # of a kernel that is not in the cache
 _STARTING = 2.5  # Python, placing, a kernel from the cache, tables and summary of few encounters
-_FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = 1.8e-3, 0.2e-6, 1.6e-6  # a look at the run; of it each swimmer, each recorded
+_FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = (
+    1.3e-3,
+    0.04e-6,
+    1.6e-6,
+)  # a look at the run; of it each swimmer, each recorded
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class Seconds:
 def expected_seconds(scene: Scene, field: ObstacleField) -> Seconds:
     """The time of a run on the threads of its scene. A thread has a block of lanes at a time, full or not."""
     n, shape = scene.swimmers.count, shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
-    lanes = 1 if scene.integrator == "located" else LANES
+    lanes = 1 if scene.integrator == "located" else LANES[scene.precision]
     n_blocks = math.ceil(n / lanes)
     n_threads = min(scene.run.threads or os.cpu_count() or 1, n_blocks)
     lane_steps = lanes * math.ceil(n_blocks / n_threads) * scene.n_steps

@@ -20,7 +20,15 @@ from porous_swim.observers.recording import Recording, recording_warning
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.results import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, Results, RunFolder, TableInfo, make_table
+from porous_swim.results import (
+    COLLOIDS_SCHEMA,
+    ENCOUNTERS_SCHEMA,
+    LAGS_SCHEMA,
+    Results,
+    RunFolder,
+    TableInfo,
+    make_table,
+)
 
 if TYPE_CHECKING:
     from porous_swim.simulation import Simulation
@@ -53,7 +61,7 @@ class Observers:
         """Show the present frame to everyone, unless they have seen it."""
         if self._last[0] == self._simulation.step:
             return
-        frame = self._simulation.frame()
+        frame = self._simulation.frame(self._simulation.scene.n_recorded)
         self._last = frame.step, frame.time
         for observer in self._all:
             observer.observe(frame)
@@ -95,11 +103,15 @@ class Observers:
             "encounters": make_table(ENCOUNTERS_SCHEMA, encounters, info=info),
             "colloids": colloid_table(simulation.field, info),
             "timeseries": self._series.table(info),
+            "lags": lag_table(simulation, info),
             "trajectory": self._trajectory.table(info),
         }
         D_r = scene.rotational_diffusion
         persistence = math.inf if D_r == 0.0 else 1.0 / ((simulation.field.dimensions - 1) * D_r)
-        statistics = summarize(**tables, persistence_time=persistence, warnings=warnings)
+        statistics = summarize(
+            *(tables[name] for name in ("encounters", "colloids", "timeseries", "lags")),
+            persistence_time=persistence, warnings=warnings,
+        )  # fmt: skip
         summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
         if self._recording is not None:
             self._recording.set_summary(summary_page(summary))
@@ -134,6 +146,13 @@ def colloid_table(field: ObstacleField, info: TableInfo) -> Any:
     x, y, z = field.centers.T
     columns = dict(colloid=np.arange(len(x)), x=x, y=y, z=z, radius=field.radii)
     return make_table(COLLOIDS_SCHEMA, columns, info=info)
+
+
+def lag_table(simulation: Simulation, info: TableInfo) -> Any:
+    """Displacements of all swimmers over lags, as a table."""
+    columns = simulation.lags.columns()
+    columns["lag"] = columns["lag"] * simulation.scene.record_period * simulation.scene.run.time_step
+    return make_table(LAGS_SCHEMA, columns, info=info)
 
 
 def provenance_of(simulation: Simulation) -> dict[str, Any]:

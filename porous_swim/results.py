@@ -58,6 +58,16 @@ TIMESERIES_SCHEMA = pa.schema(
         *_columns("msd msd_standard_error", _REAL, "a^2"),  # from the start, over all swimmers
     ]
 )
+LAGS_SCHEMA = pa.schema(  # a row for each lag and group of swimmers; means over the group and its windows in time
+    [
+        *_columns("lag", _REAL, "a/U"),
+        *_columns("group n_swimmers", _INDEX),
+        *_columns("n_windows", _COUNT),
+        *_columns("msd", _REAL, "a^2"),
+        *_columns("fourth_moment", _REAL, "a^4"),  # mean fourth power of the displacement
+        *_columns("director_correlation", _REAL),
+    ]
+)
 TRAJECTORY_SCHEMA = pa.schema(
     [
         *_columns("time", _REAL, "a/U"),
@@ -72,6 +82,7 @@ SCHEMAS = {
     "encounters": ENCOUNTERS_SCHEMA,
     "colloids": COLLOIDS_SCHEMA,
     "timeseries": TIMESERIES_SCHEMA,
+    "lags": LAGS_SCHEMA,
     "trajectory": TRAJECTORY_SCHEMA,
 }
 SUMMARY = "summary.json"
@@ -146,6 +157,7 @@ class Results:
     encounters: pa.Table
     colloids: pa.Table
     timeseries: pa.Table
+    lags: pa.Table
     trajectory: pa.Table
     summary: dict[str, Any]
     folder: Path | None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -15,11 +16,12 @@ from porous_swim.costs import COMPILING
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
 from porous_swim.engine.engine import Engine, Laws, Numbers
+from porous_swim.engine.lags import Lags, periods
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
 from porous_swim.observation import Observers
-from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
+from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
 from porous_swim.printing import tell
@@ -67,6 +69,9 @@ class Simulation:
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
             variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes,
         )  # fmt: skip
+        n_frames = scene.n_steps // scene.record_period
+        self._survey = self.engine.survey(n_levels=1 + len(periods(n_frames)))
+        self.lags = Lags(self._survey, period=scene.record_period, n_frames=n_frames)
 
     @property
     def step(self) -> int:
@@ -82,18 +87,28 @@ class Simulation:
         """Move all swimmers by `n_steps`. RunError where a swimmer cannot go on."""
         self.engine.advance(n_steps)
 
-    def frame(self) -> Frame:
-        """All swimmers as they are now, and what ended since the last frame."""
-        now, news = self.engine.look()
+    def frame(self, n: int | None = None) -> Frame:
+        """The first `n` swimmers as they are now, by default all, and what ended since the last frame."""
+        now, (news, under_way) = self.engine.snapshot(n), self.engine.news()
+        self.lags.note(self.step)
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,
-            image=now.image, state=state, counts=Counts(*self.engine.counts()),
+            image=now.image, state=state, ensemble=self._ensemble(), has_colloids=len(self.field.radii) > 0,
+            counts=Counts(*self.engine.counts()),
             residence=news.residence, winding=news.winding, hop_time=news.hop_time, hops=news.hops,
-            under_way=(self.step - now.start[now.bound]) * self.scene.run.time_step,
+            under_way=under_way * self.scene.run.time_step,
         )  # fmt: skip
+
+    def _ensemble(self) -> Ensemble:
+        """All swimmers together, from sums over groups of them."""
+        groups, n = self._survey.look(0), self.engine.n_swimmers
+        msd = float(groups.n @ groups.square) / n
+        squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
+        error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
+        return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
         """What holds for all tables of this run, as of now."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial import cKDTree
 
-from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Frame
+from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
 from porous_swim.obstacles.field import ObstacleField
 
 CONTACT_HEIGHT, CONTACT_BAND, ESCAPE_HEIGHT = 1.0, 0.05, 1.5
@@ -55,6 +55,7 @@ class Walkers:
         planar = field.centers[:, self.axes]
         self.tree = cKDTree(planar, boxsize=field.box[self.axes] if field.periodic else None) if len(planar) else None
         self.position = self._release(n_swimmers) if start is None else np.tile(start, (n_swimmers, 1)).astype(float)
+        self.start = self.position.copy()
         self.director = self._unit(self.random.normal(size=(n_swimmers, 3)))
         if start is not None:
             self.director = self._unit(np.array([1.0, 0.0, 0.0]) + 0.12 * self.director)
@@ -143,6 +144,15 @@ class Walkers:
             np.int32
         )
 
+    def ensemble(self) -> Ensemble:
+        """All walkers together."""
+        squared = np.sum((self.position - self.start) ** 2, axis=1)
+        n = len(squared)
+        error = np.std(squared, ddof=1) / np.sqrt(n) if n > 1 else np.nan
+        return Ensemble(
+            n, float(np.mean(self.state != FREE)), float(np.mean(self.state == CONTACT)), float(squared.mean()), error
+        )
+
     def frame(self, *, step: int, time: float) -> Frame:
         """What an observer sees now; empties the lists of ended encounters."""
         colloid, _, _ = self.nearest(self.position)
@@ -157,6 +167,8 @@ class Walkers:
             colloid=colloid.astype(np.int32),
             image=self._image(colloid),
             state=self.state.copy(),
+            ensemble=self.ensemble(),
+            has_colloids=self.tree is not None,
             counts=Counts(*self.counts.tolist()),
             under_way=time - self.since[self.state != FREE],
             hops=hops,

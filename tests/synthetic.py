@@ -5,8 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.results import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, TRAJECTORY_SCHEMA, TableInfo, make_table
+from porous_swim.results import (
+    COLLOIDS_SCHEMA,
+    ENCOUNTERS_SCHEMA,
+    LAGS_SCHEMA,
+    TRAJECTORY_SCHEMA,
+    TableInfo,
+    make_table,
+)
 
+# lags in frames, by the frames from one start of a window to the next, as docs/statistics.md has them
+LAGS_OF = {1: [1], 4: [2, 3, 4], 16: [5, 6, 7, 8, 10, 12, 14, 16], 64: [20, 24, 28, 32, 40, 48, 56, 64]}
 _NULLABLE = {field.name for field in ENCOUNTERS_SCHEMA if field.nullable}
 
 
@@ -50,6 +59,30 @@ def trajectory(about: TableInfo, time: np.ndarray, position: np.ndarray, directo
     whole = {"swimmer", "colloid", "image_x", "image_y", "image_z", "state"}
     typed = {name: values.astype(np.int32) if name in whole else values for name, values in columns.items()}
     return make_table(TRAJECTORY_SCHEMA, typed, info=about)
+
+
+def lags(about: TableInfo, time: np.ndarray, position: np.ndarray, director: np.ndarray) -> pa.Table:
+    """The table of lags of times (n,), positions and directors (n, n_swimmers, 3); each swimmer is a group."""
+    n_last, n_swimmers = len(time) - 1, position.shape[1]
+    rows: dict[str, list[np.ndarray]] = {field.name: [] for field in LAGS_SCHEMA}
+    for period in LAGS_OF:
+        for lag in (lag for lag in LAGS_OF[period] if lag <= max(1.0, 0.5 * n_last)):
+            first = np.arange(0, n_last - lag + 1, period)
+            if len(first) == 0:
+                continue
+            square = np.sum((position[first + lag] - position[first]) ** 2, axis=2)
+            overlap = np.sum(director[first + lag] * director[first], axis=2)
+            values = {
+                "lag": np.full(n_swimmers, time[lag] - time[0]), "group": np.arange(n_swimmers),
+                "n_swimmers": np.ones(n_swimmers, int), "n_windows": np.full(n_swimmers, len(first)),
+                "msd": square.mean(axis=0), "fourth_moment": (square**2).mean(axis=0),
+                "director_correlation": overlap.mean(axis=0),
+            }  # fmt: skip
+            for name, value in values.items():
+                rows[name].append(value)
+    empty = {"group": np.zeros(0, int), "n_swimmers": np.zeros(0, int), "n_windows": np.zeros(0, int)}
+    columns = {name: np.concatenate([empty.get(name, np.zeros(0)), *parts]) for name, parts in rows.items()}
+    return make_table(LAGS_SCHEMA, columns, info=about)
 
 
 def exponential_encounters(rng: np.random.Generator, *, n_swimmers: int, mean: float, last_time: float) -> pa.Table:

@@ -21,7 +21,7 @@ from porous_swim.engine.backend import available
 
 RUN_FILES = {
     "scene.yaml", "recording.rrd", "colloids.parquet", "encounters.parquet", "timeseries.parquet",
-    "trajectory.parquet", "summary.json",
+    "lags.parquet", "trajectory.parquet", "summary.json",
 }  # fmt: skip
 # A drift that single precision cannot hold: the first step is not a number.
 TOO_STRONG = SMALL.replace("dipole_strength: 4.0", "dipole_strength: 1.0e+35")

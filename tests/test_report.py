@@ -256,6 +256,7 @@ def in_memory(encounters: Any, *, box: tuple[float, float, float] = (0.0, 0.0, 0
             TIMESERIES_SCHEMA, {field.name: np.zeros(n_frames) for field in TIMESERIES_SCHEMA} | {"time": clock},
             info=about,
         ),
+        "lags": synthetic.lags(about, clock, position, directors),
         "trajectory": synthetic.trajectory(about, clock, position, directors),
     }  # fmt: skip
     if n_colloids == 0:
@@ -263,7 +264,7 @@ def in_memory(encounters: Any, *, box: tuple[float, float, float] = (0.0, 0.0, 0
         place = tables["trajectory"].schema.get_field_index("colloid")
         field = tables["trajectory"].schema.field("colloid")
         tables["trajectory"] = tables["trajectory"].set_column(place, field, [lost])
-    summary = {"status": "finished", **summarize(**tables, persistence_time=math.inf)}
+    summary = {"status": "finished", **summarize(*list(tables.values())[:4], persistence_time=math.inf)}
     return Results(**tables, summary=summary, folder=None, info=about)
 
 

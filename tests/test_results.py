@@ -33,6 +33,7 @@ def some_results(**replaced: object) -> Results:
         "encounters": synthetic.encounters(ABOUT, swimmer=[0, 1], start_time=[0.0, 1.0], end_time=[2.0, 3.0]),
         "colloids": synthetic.colloids(ABOUT, np.eye(3)),
         "timeseries": make_table(TIMESERIES_SCHEMA, timeseries, info=ABOUT),
+        "lags": synthetic.lags(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
         "trajectory": synthetic.trajectory(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
     }
     return Results(**{**tables, "summary": {"status": "finished"}, "folder": None, "info": ABOUT, **replaced})

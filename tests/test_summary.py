@@ -19,7 +19,7 @@ THREE = np.arange(9.0).reshape(3, 3)  # centres of colloids
 
 
 def summary_of(
-    encounters: pa.Table, *, persistence_time: float = 1.0, n_recorded: int = 20, alike: bool = False,
+    encounters: pa.Table, *, persistence_time: float = 1.0, n_swimmers: int = 20, alike: bool = False,
     centers: np.ndarray = THREE, radius: float = 1.0, **options: Any,
 ) -> dict[str, Any]:  # fmt: skip
     about = TableInfo.of(encounters)
@@ -29,14 +29,14 @@ def summary_of(
         "msd": np.array([7.0]),
         "msd_standard_error": np.array([0.5]),
     }
-    clock = np.linspace(0.0, about.last_time, 11)
-    position = np.cumsum(np.random.default_rng(0).normal(size=(11, n_recorded, 3)), axis=0)
+    clock = np.linspace(0.0, about.last_time, 41)
+    position = np.cumsum(np.random.default_rng(0).normal(size=(41, n_swimmers, 3)), axis=0)
     position[:, 1:] = position[:, :1] if alike else position[:, 1:]
     return summarize(
         encounters,
         synthetic.colloids(about, centers, radius=radius),
         make_table(TIMESERIES_SCHEMA, columns, info=about),
-        synthetic.trajectory(about, clock, position, np.ones((11, n_recorded, 3))),
+        synthetic.lags(about, clock, position, np.ones((len(clock), n_swimmers, 3))),
         persistence_time=persistence_time,
         **options,
     )
@@ -120,20 +120,20 @@ def test_a_diffusivity_from_a_short_run_is_warned_of_after_the_warnings_given() 
     assert not found["diffusivity"]["reliable"]
 
 
-@pytest.mark.parametrize(("n_recorded", "alike"), [(1, False), (19, False), (20, True), (20, False)])
-def test_a_diffusivity_of_few_swimmers_or_of_swimmers_alike_is_refused_as_by_the_report(n_recorded, alike) -> None:
+@pytest.mark.parametrize(("n_swimmers", "alike"), [(1, False), (19, False), (20, True), (20, False)])
+def test_a_diffusivity_of_few_swimmers_or_of_swimmers_alike_is_refused_as_by_the_report(n_swimmers, alike) -> None:
     found = summary_of(
-        synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), n_recorded=n_recorded, alike=alike
+        synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)), n_swimmers=n_swimmers, alike=alike
     )
     effective = found["diffusivity"]["effective"]
     lines = summary_lines(found)
-    if n_recorded == 20 and not alike:
+    if n_swimmers == 20 and not alike:
         assert effective["n"] == 20
         assert lines[-1].startswith("effective diffusivity")
         return
     assert (effective["value"], effective["standard_error"], effective["n"]) == (None, None, 0)
     assert not any(line.startswith("effective diffusivity") for line in lines)
-    assert f"needs 20 recorded swimmers whose ways differ, of {n_recorded} here" in lines[-1]
+    assert f"needs 20 swimmers whose ways differ, of {n_swimmers} here" in lines[-1]
 
 
 def rates_of(found: dict[str, Any]) -> dict[str, tuple[float | None, int]]:

@@ -11,6 +11,12 @@ from porous_swim.analysis.displacements import (
     msd_exponent,
     non_gaussian_parameter,
 )
+from porous_swim.analysis.ensemble import (
+    ensemble_diffusivity,
+    ensemble_director_correlation,
+    ensemble_msd,
+    ensemble_non_gaussian_parameter,
+)
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.analysis.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from porous_swim.analysis.groups import by_column, by_radius, encounter_radii
@@ -106,6 +112,10 @@ __all__ = [
     "displacement_histogram",
     "effective_diffusivity",
     "encounter_radii",
+    "ensemble_diffusivity",
+    "ensemble_director_correlation",
+    "ensemble_msd",
+    "ensemble_non_gaussian_parameter",
     "escape_pitch_lifetimes",
     "escape_pitch_times",
     "fit_lifetimes",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,13 +70,24 @@ def effective_diffusivity(
     else:
         last = min(int(window[1] / interval + 1e-6), n_frames - 1) if n_frames > 1 else 0
         starts = [max(math.ceil(window[0] / interval - 1e-6), 1)] if n_frames > 1 else []
-    found, fits_before = _nothing(n, level), window is not None
-    for start in starts:
-        frames = geometric_frames(start, last, n_lags)
-        if len(frames) < FEWEST_LAGS:
-            continue
-        squares = lag_averages(recorded, squared_step, lags=frames * interval)
-        found = _line(squares, dimensions=TableInfo.of(trajectory).dimensions, level=level)
+    windows = (geometric_frames(start, last, n_lags) for start in starts)
+    squares = (
+        lag_averages(recorded, squared_step, lags=frames * interval) for frames in windows if len(frames) >= FEWEST_LAGS
+    )
+    dimensions = TableInfo.of(trajectory).dimensions
+    return first_linear(squares, n=n, dimensions=dimensions, level=level, given=window is not None)
+
+
+def first_linear(
+    windows: Iterable[TimeAverages], *, n: int, dimensions: int, level: float, given: bool
+) -> EffectiveDiffusivity:
+    """The line in the first window that fits where the one before fitted too; in the only one that was `given`.
+
+    The windows start later and later. Where none fits it is that of the last, and not `linear`; `n` samples are there.
+    """
+    found, fits_before = _nothing(n, level), given
+    for squares in windows:
+        found = _line(squares, dimensions=dimensions, level=level)
         if found.linear and fits_before:
             return found
         fits_before = found.linear
@@ -85,8 +97,8 @@ def effective_diffusivity(
 def none_for(n: int) -> str:
     """Why there is none for `n` swimmers: a sentence for reports and summaries."""
     return (
-        f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} recorded swimmers whose ways differ, "
-        f"of {n} here (record.swimmers)."
+        f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} swimmers whose ways differ, of {n} here, "
+        f"and {2 * 2 ** (FEWEST_LAGS - 1)} frames (record.every)."
     )
 
 

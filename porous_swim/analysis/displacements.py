@@ -37,7 +37,12 @@ def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = No
     recorded, d = even_frames(trajectory), TableInfo.of(trajectory).dimensions
     square = lag_averages(recorded, squared_step, lags=lags)
     fourth = lag_averages(recorded, lambda *pair: squared_step(*pair) ** 2, lags=lags)
-    ratio = d / (d + 2.0) * fourth.value / square.value**2
+    return non_gaussian(square, fourth, d)
+
+
+def non_gaussian(square: TimeAverages, fourth: TimeAverages, dimensions: int) -> Lagged:
+    """The same from the averages of second and fourth powers of displacements, over the same samples."""
+    ratio = dimensions / (dimensions + 2.0) * fourth.value / square.value**2
     influence = fourth.each / fourth.value[:, None] - 2.0 * square.each / square.value[:, None]
     return Lagged(square.lag, ratio - 1.0, ratio * error_of_mean(influence), square.n)
 

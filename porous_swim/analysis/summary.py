@@ -10,7 +10,8 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column
-from porous_swim.analysis.diffusion import ALIKE, FEWEST_SWIMMERS, none_for
+from porous_swim.analysis.diffusion import EffectiveDiffusivity, none_for
+from porous_swim.analysis.ensemble import ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
@@ -21,7 +22,7 @@ from porous_swim.analysis.residence import (
     residence_times,
 )
 from porous_swim.analysis.survival import WaitingTimes
-from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED, Diffusivity, diffusivity
+from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED
 from porous_swim.analysis.winding import Winding, winding
 from porous_swim.results import TableInfo
 
@@ -32,7 +33,7 @@ def summarize(
     encounters: pa.Table,
     colloids: pa.Table,
     timeseries: pa.Table,
-    trajectory: pa.Table,
+    lags: pa.Table,
     *,
     persistence_time: float,
     warnings: Iterable[str] = (),
@@ -44,11 +45,12 @@ def summarize(
     follows.
     """
     residence, passage = residence_times(encounters), escape_pitch_times(encounters)
-    late = diffusivity(trajectory, persistence_time=persistence_time)
+    late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
+    reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
     found = [
         *_residence_warnings(residence, TableInfo.of(encounters).duration),
         *_passage_warnings(encounters),
-        *_diffusivity_warnings(late, persistence_time),
+        *_diffusivity_warnings(late, duration, persistence_time),
     ]
     return {
         "residence": _waiting(residence),
@@ -58,9 +60,9 @@ def summarize(
         "flights": _waiting(flights(encounters)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": (late.estimate() if _shows_diffusion(late) else Estimate.none("a U")).as_dict(),
-            "window": list(late.window),
-            "reliable": late.reliable,
+            "effective": (late.estimate() if late.n_lags else Estimate.none("a U")).as_dict(),
+            "window": list(late.window) if late.n_lags else None,
+            "reliable": reliable,
         },
         "fractions": {
             "bound": bound_fraction(encounters).as_dict(),
@@ -130,21 +132,21 @@ def _passage_warnings(encounters: pa.Table) -> Iterable[str]:
         yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
 
 
-def _shows_diffusion(late: Diffusivity) -> bool:
-    """Whether enough swimmers went ways of their own: the slope of a few is mere chance, and may be below 0."""
-    return late.n >= FEWEST_SWIMMERS and late.standard_error > ALIKE * abs(late.value)
-
-
-def _diffusivity_warnings(late: Diffusivity, persistence_time: float) -> Iterable[str]:
-    if late.n and not _shows_diffusion(late):
+def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persistence_time: float) -> Iterable[str]:
+    if late.n and not late.n_lags:
         yield none_for(late.n)
     elif late.n and math.isinf(persistence_time):
         yield "Without rotational noise nothing makes the motion diffusive: the effective diffusivity means little."
-    elif late.n and not late.reliable:
+    elif late.n and duration < PERSISTENCE_TIMES_WANTED * persistence_time:
         yield (
-            f"The effective diffusivity comes from a run of {late.window[1]:g} a/U, shorter than "
+            f"The effective diffusivity comes from a run of {duration:g} a/U, shorter than "
             f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "
             "the motion is not yet diffusive."
+        )
+    elif late.n and not late.linear:
+        yield (
+            f"The mean squared displacement grows linearly in no window of lags up to {late.window[1]:g} a/U: "
+            "the effective diffusivity is the slope of the last and no diffusivity yet."
         )
 
 

@@ -14,13 +14,14 @@ from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.records import News, Records
-from porous_swim.engine.state import Event, Int, Status, Total
+from porous_swim.engine.state import Event, Int, Long, Phase, Status, Total, real_rows
+from porous_swim.engine.survey import Survey, make_survey
 from porous_swim.engine.swimmers import Rules, Swimmers
-from porous_swim.engine.transfer import on_host
+from porous_swim.engine.transfer import on_host, to_device
 from porous_swim.errors import DeviceError, RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.contact import Shape, shape_of
+from porous_swim.physics.contact import HardContact, Shape, shape_of
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
 
@@ -128,18 +129,29 @@ class Engine:
         captures, escapes, hops, returns = self._total[: Total.LOGGED].tolist()
         return captures, escapes, hops, returns
 
-    def snapshot(self) -> Snapshot:
-        """Where all swimmers are."""
-        return self._host().snapshot()
+    def snapshot(self, n: int | None = None) -> Snapshot:
+        """Where the first `n` swimmers are, by default all."""
+        return self._host(n).snapshot()
 
-    def look(self) -> tuple[Snapshot, News]:
-        """Where all swimmers are, and what happened since the last look."""
+    def news(self) -> tuple[News, np.ndarray]:
+        """What happened since this was last asked for; and how long, in steps, the encounters under way have lasted."""
         self._drain()
-        now = self.snapshot()
-        who = np.flatnonzero(now.bound)
-        news = [*self._news, self._records.under_way(who, now.host[who], now.start[who])]
+        who = np.flatnonzero(on_host(self._swimmers.int, Int.PHASE) == int(Phase.BOUND))
+        host = on_host(self._swimmers.int, np.s_[Int.BOUND : Int.BOUND + 4, who]).T
+        clock = on_host(self._swimmers.real, np.s_[real_rows(self._field.dimensions).start_clock, who])
+        start = on_host(self._swimmers.long, np.s_[Long.START, who]) + clock.astype(np.float64)
+        news = [*self._news, self._records.under_way(who, host, start)]
         self._news = []
-        return now, News.joined(news)
+        return News.joined(news), self.step - start
+
+    def survey(self, *, n_levels: int) -> Survey:
+        """What is summed over all swimmers, with the present for its origin: see `survey`."""
+        kernel = make_survey(*self._survey_parts)
+        band = max(self._numbers.contact_band, self.tolerance)
+        return Survey(
+            self._swimmers, self._medium, kernel, dimensions=self._field.dimensions, real=self._real, band=band,
+            n_levels=n_levels,
+        )  # fmt: skip
 
     def encounters(self) -> dict[str, np.ndarray]:
         """Columns of the encounter table, encounters under way included as censored; to be called at the end."""
@@ -156,6 +168,7 @@ class Engine:
             hydrodynamics, variates, shape, field.dimensions, real, self.lanes, integrator, field.surface
         )  # fmt: skip
         self._advance = make_advance(structure)
+        self._survey_parts = real, field.dimensions, HardContact.make_height(real, shape), field.surface
         table = tableau() if integrator == "located" else np.zeros((1, 1))
         self._tableau = on_device(table.astype(self._real))
 
@@ -180,7 +193,7 @@ class Engine:
                     *self._swimmers, *self._medium, *self._log, *rules,
                     n_steps, fresh, self._n_blocks, self._stride, self._chunk,
                 )  # fmt: skip
-            self._total = total = self._swimmers.total.to_numpy()
+            self._total = total = on_host(self._swimmers.total)
             finished, fresh = int(total[Total.FINISHED]), 0
             if total[Total.HALTED] > 0:
                 raise self._complaint()
@@ -191,7 +204,7 @@ class Engine:
                     f"device: {self._device} makes no progress; its driver may be a software driver: use cpu"
                 )
             total[Total.FINISHED] = 0
-            self._swimmers.total.from_numpy(total)
+            to_device(total, self._swimmers.total)
             if full:
                 self._drain()
 
@@ -199,12 +212,12 @@ class Engine:
         """Take the rows of the log to the host."""
         n = min(int(self._total[Total.LOGGED]), self._log_rows)
         if n > 0:
-            self._news.append(self._records.add(*(on_host(array, n) for array in self._log)))
+            self._news.append(self._records.add(*(on_host(array, np.s_[:n]) for array in self._log)))
             self._total[Total.LOGGED] = 0
-            self._swimmers.total.from_numpy(self._total)
+            to_device(self._total, self._swimmers.total)
 
-    def _host(self) -> HostState:
-        return HostState(self._field, *(on_host(array) for array in self._swimmers[:3]))
+    def _host(self, n: int | None = None) -> HostState:
+        return HostState(self._field, *(on_host(array, np.s_[:, :n]) for array in self._swimmers[:3]))
 
     def _complaint(self) -> RunError:
         """The sentence about the first swimmer that cannot go on."""

@@ -1,33 +1,34 @@
-"""Tables from the device to the host. Taichi's own way takes the whole array, on a CPU some 15 ns for every number."""
+"""Arrays from the device to the host and back. Taichi's own ways launch a kernel; the memory of a CPU is at hand."""
 
-# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
-from functools import cache
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
-import taichi as ti
+from taichi.lang import impl
 from taichi.lang.util import to_numpy_type
 
 from porous_swim.engine import backend
 
 
-@cache
-def _make_copy(number):
-    Table = ti.types.ndarray(number, ndim=2)
-
-    @ti.kernel
-    def copy(source: Table, target: Table):
-        for i in range(target.shape[0]):
-            for j in range(target.shape[1]):
-                target[i, j] = source[i, j]
-
-    return copy
-
-
-def on_host(table, n_rows: int | None = None) -> np.ndarray:
-    """A copy of the first `n_rows` rows, by default of all, of a table on the device."""
+def on_host(table: Any, part: Any = slice(None)) -> np.ndarray:
+    """A copy of an array on the device, or of a `part` of it, an index of NumPy."""
     if not backend.ensure_any().is_cpu:
-        return np.asarray(table.to_numpy()[:n_rows])
-    rows = np.empty((table.shape[0] if n_rows is None else n_rows, table.shape[1]), to_numpy_type(table.dtype))
-    if rows.size > 0:
-        _make_copy(table.dtype)(table, rows)
-    return rows
+        return np.asarray(table.to_numpy()[part])
+    return np.array(_memory(table)[part])
+
+
+def to_device(values: np.ndarray, table: Any) -> None:
+    """Overwrite an array on the device."""
+    if backend.ensure_any().is_cpu:
+        _memory(table)[:] = values
+    else:
+        table.from_numpy(values)
+
+
+def _memory(table: Any) -> np.ndarray:
+    """An array of the CPU as NumPy sees it, while `table` lives. A launch there returns when its kernel has ended."""
+    kind = np.ctypeslib.as_ctypes_type(to_numpy_type(table.dtype))
+    address = impl.get_runtime().prog.get_ndarray_data_ptr_as_int(table.arr)
+    n = int(np.prod(table.shape))
+    return np.ctypeslib.as_array((kind * n).from_address(address)).reshape(table.shape)

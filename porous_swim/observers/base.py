@@ -32,16 +32,29 @@ class Counts:
 
 
 @dataclass(frozen=True)
+class Ensemble:
+    """All swimmers of a run together."""
+
+    n_swimmers: int
+    fraction_bound: float  # in an encounter, in contact or not
+    fraction_contact: float
+    msd: float  # a^2, mean squared displacement from the start
+    msd_standard_error: float  # over swimmers; NaN for a single one
+
+
+@dataclass(frozen=True)
 class Frame:
-    """All swimmers at one step. Arrays are the observer's own copies."""
+    """A run at one step: the swimmers that are looked at one by one, and all together. Arrays are copies."""
 
     step: int
     time: float  # a/U
-    position: np.ndarray  # (n_swimmers, 3) float64, a, unwrapped
-    director: np.ndarray  # (n_swimmers, 3) float64, unit
-    colloid: np.ndarray  # (n_swimmers,) int32, the nearest; -1 where the field is empty
-    image: np.ndarray  # (n_swimmers, 3) int32, periodic image of that colloid
-    state: np.ndarray  # (n_swimmers,) uint8: FREE, BOUND or CONTACT
+    position: np.ndarray  # (n, 3) float64, a, unwrapped, of the first n swimmers
+    director: np.ndarray  # (n, 3) float64, unit
+    colloid: np.ndarray  # (n,) int32, the nearest; -1 where the field is empty
+    image: np.ndarray  # (n, 3) int32, periodic image of that colloid
+    state: np.ndarray  # (n,) uint8: FREE, BOUND or CONTACT
+    ensemble: Ensemble
+    has_colloids: bool
     counts: Counts
     residence: np.ndarray  # (n,) float64, a/U: lengths of the encounters that ended since the last frame
     winding: np.ndarray  # (n,) float64, turns: of those encounters

@@ -6,12 +6,11 @@ import sys
 import time
 from typing import Protocol, TextIO
 
-import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from porous_swim.observers.base import FREE, Every, Frame
+from porous_swim.observers.base import Every, Frame
 from porous_swim.printing import tell
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
@@ -143,8 +142,7 @@ class ProgressBar:
 
 
 def _state(rate: float, frame: Frame) -> str:
-    bound = float(np.mean(frame.state != FREE)) if len(frame.state) else 0.0
-    colloids = f", {100.0 * bound:.0f} % bound" if np.any(frame.colloid >= 0) else ""
+    colloids = f", {100.0 * frame.ensemble.fraction_bound:.0f} % bound" if frame.has_colloids else ""
     return f"t = {frame.time:g} a/U, {rate:.2e} swimmer-steps/s{colloids}"
 
 

@@ -162,7 +162,7 @@ class Recording:
         self._draw_wall(layout.space.scenery)
         self._tracks = self._make_tracks(file, radius=layout.space.scenery.drawn_radius(self._radius))
         self._write_page(self._page.text(frame, status="*Cut short: the run was under way when this was written.*"))
-        self._say(f"started: {len(frame.state)} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
+        self._say(f"started: {frame.ensemble.n_swimmers} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
         file.flush()
 
     def _make_tracks(self, file: RecordingFile, *, radius: float) -> list[Track]:

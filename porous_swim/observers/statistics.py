@@ -32,7 +32,6 @@ class SeriesTrack:
 
     def __init__(self, file: RecordingFile) -> None:
         self._file = file
-        self._start: np.ndarray | None = None  # (n_swimmers, 3)
         self._moments = Moments()
         self._rows: list[tuple[float, ...]] = []
         for entity, (label, color) in _LINES.items():
@@ -40,18 +39,15 @@ class SeriesTrack:
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame."""
-        if self._start is None:
-            self._start = frame.position.copy()
-        fractions = np.bincount(frame.state, minlength=3) / max(len(frame.state), 1)
-        n_swimmers = max(len(frame.state), 1)
-        squared = np.sum((frame.position - self._start) ** 2, axis=1)
+        everyone = frame.ensemble
+        n_swimmers = max(everyone.n_swimmers, 1)
         values = (
-            float(fractions[FREE]),
-            float(fractions[BOUND]),
-            float(fractions[CONTACT]),
+            1.0 - everyone.fraction_bound,
+            everyone.fraction_bound - everyone.fraction_contact,
+            everyone.fraction_contact,
             frame.counts.n_hops / n_swimmers,
             frame.counts.n_returns / n_swimmers,
-            float(squared.mean()) if len(squared) else 0.0,
+            everyone.msd,
         )
         self._moments.add(frame)
         self._rows.append(values)

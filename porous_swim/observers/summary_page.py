@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from porous_swim.observers.base import CONTACT, FREE, Frame
+from porous_swim.observers.base import Frame
 from porous_swim.obstacles.field import ObstacleField
 
 
@@ -33,14 +31,14 @@ class SummaryPage:
         return "\n\n".join(part for part in parts if part) + "\n"
 
     def _table(self, frame: Frame) -> str:
-        n_swimmers, n_colloids = len(frame.state), len(self.field.centers)
+        n_swimmers, n_colloids = frame.ensemble.n_swimmers, len(self.field.centers)
         rows = [("swimmers", f"{n_swimmers:,}"), ("of these recorded", f"{self.n_recorded:,}")]
         if n_colloids:
             counts = frame.counts
             rows += [
                 ("colloids", f"{n_colloids:,}"),
-                ("fraction bound", f"{np.mean(frame.state != FREE):.3f}"),
-                ("fraction in contact", f"{np.mean(frame.state == CONTACT):.3f}"),
+                ("fraction bound", f"{frame.ensemble.fraction_bound:.3f}"),
+                ("fraction in contact", f"{frame.ensemble.fraction_contact:.3f}"),
                 ("captures, escapes", f"{counts.n_captures:,}, {counts.n_escapes:,}"),
                 ("hops, returns", f"{counts.n_hops:,}, {counts.n_returns:,}"),
             ]

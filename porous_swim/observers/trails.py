@@ -52,7 +52,7 @@ class TrailTrack:
         rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}  # concatenated, hence copies
         points = rr.Points3D.columns(positions=rows["positions"], class_ids=rows["states"])
         arrows = rr.Arrows3D.columns(vectors=rows["vectors"], origins=rows["origins"])
-        strips = rr.LineStrips3D.columns(strips=list(rows["segments"]), class_ids=rows["states"])
+        strips = rr.LineStrips3D.columns(strips=rows["segments"], class_ids=rows["states"])
         lengths = [len(self._swimmers)] * len(moments)
         for name, columns in (("swimmers", points), ("directors", arrows), ("trails", strips)):
             self._file.send(f"{self._entity}/{name}", columns.partition(lengths), moments)

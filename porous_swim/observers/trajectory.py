@@ -13,6 +13,7 @@ from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Frame
 from porous_swim.results import TRAJECTORY_SCHEMA, TableInfo
 
+_NAMES = ["time", "swimmer", "colloid", "image_x", "image_y", "image_z", "state"]  # columns of few values
 _GROUP_ROWS = 1 << 17  # in a row group: 11 MB, large enough to compress, small enough to hold
 
 
@@ -29,12 +30,12 @@ class Trajectory:
         self._path = None if path is None else Path(path)
         self._batches: list[pa.RecordBatch] = []
         self._n_waiting = 0
-        self._writer: pq.ParquetWriter | None = None
+        self._writer: pa.ipc.RecordBatchStreamWriter | None = None
         self._failed = False
         if self._path is not None:
             self._rows_path = self._path.with_name(self._path.name + ".rows.part")
             try:
-                self._writer = _writer(self._rows_path, TRAJECTORY_SCHEMA)
+                self._writer = pa.ipc.new_stream(self._rows_path, TRAJECTORY_SCHEMA)  # cheap: it is read once
             except OSError as error:
                 raise self._failure(error) from None
 
@@ -60,9 +61,12 @@ class Trajectory:
         try:
             self._writer.close()
             # the schema stands at the front of a file, and the time of the last row is known only now: copy
-            with pq.ParquetFile(self._rows_path) as rows, _writer(part, schema) as complete:
-                for group in range(rows.num_row_groups):
-                    complete.write_table(rows.read_row_group(group).cast(schema))
+            with (
+                pa.ipc.open_stream(pa.memory_map(str(self._rows_path))) as rows,
+                pq.ParquetWriter(part, schema, compression="zstd", use_dictionary=_NAMES) as complete,
+            ):
+                for batch in rows:
+                    complete.write_batch(batch.replace_schema_metadata(schema.metadata))
             os.replace(part, self._path)
             self._rows_path.unlink()
             return info.attach(pq.read_table(self._path, memory_map=True))
@@ -74,7 +78,9 @@ class Trajectory:
         if not self._batches:
             return
         try:
-            self._writer.write_table(pa.Table.from_batches(self._batches), row_group_size=_GROUP_ROWS)
+            whole = pa.Table.from_batches(self._batches).combine_chunks()
+            for batch in whole.to_batches(max_chunksize=_GROUP_ROWS):
+                self._writer.write_batch(batch)
         except OSError as error:
             raise self._failure(error) from None
         self._batches, self._n_waiting = [], 0
@@ -83,10 +89,6 @@ class Trajectory:
         self._failed = True
         reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
         return RunError(f"{self._path}: the trajectory cannot be written: {reason}")
-
-
-def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
-    return pq.ParquetWriter(path, schema, compression="zstd")
 
 
 def _rows(frame: Frame, swimmers: np.ndarray) -> pa.RecordBatch:

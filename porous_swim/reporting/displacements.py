@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from porous_swim.analysis import EffectiveDiffusivity, effective_diffusivity, msd_exponent, time_averaged_msd
+from porous_swim.analysis import EffectiveDiffusivity, ensemble_diffusivity, ensemble_msd, msd_exponent
 from porous_swim.analysis.diffusion import none_for
 from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
@@ -18,7 +18,7 @@ from porous_swim.reporting.section import Number, Section, Table
 
 
 def section(runs: Sequence[Run]) -> Section:
-    """Displacements of the recorded swimmers against lag, over all starts."""
+    """Displacements of all swimmers against lag."""
     shown: list[Shown[displacements.Displacements]] = []
     missing, warnings, rows = [], [], []
     for run in runs:
@@ -38,7 +38,7 @@ def section(runs: Sequence[Run]) -> Section:
         "Displacements", "displacements",
         text=["Diffusivity: a straight line with an offset through four to eight lags, weighted by their covariance."],
         draw=(lambda: displacements.draw(shown, scales_of(runs))) if shown else None,
-        caption="Mean squared displacement over all starts (left; shaded: the lags of the fit) and its exponent "
+        caption="Mean squared displacement of all swimmers (left; shaded: the lags of the fit) and its exponent "
         "(right); bars are one standard error over swimmers.",
         tables=[Table(header, rows)] if rows else [],
         missing=missing,
@@ -48,8 +48,8 @@ def section(runs: Sequence[Run]) -> Section:
 
 def _displacements(run: Run) -> displacements.Displacements | None:
     """None where nothing moves, or half of the run has room for fewer than two lags: an exponent is of two."""
-    trajectory, info, scene = run.results.trajectory, run.results.info, run.scene
-    squares = time_averaged_msd(trajectory)
+    lags, info, scene = run.results.lags, run.results.info, run.scene
+    squares = ensemble_msd(lags)
     if len(squares.lag) < 2 or not np.all(squares.value > 0.0):
         return None
     free = None
@@ -57,7 +57,7 @@ def _displacements(run: Run) -> displacements.Displacements | None:
         noise = scene.translational_diffusion, scene.rotational_diffusion
         free = squared_displacement(squares.lag, *noise, dimensions=info.dimensions)
     return displacements.Displacements(
-        squares, msd_exponent(squares), effective_diffusivity(trajectory), info.dimensions, free
+        squares, msd_exponent(squares), ensemble_diffusivity(lags), info.dimensions, free
     )
 
 

@@ -1,0 +1,80 @@
+"""Displacements of all swimmers of a run over lags, from the sums that were taken while it went on (`lags.parquet`).
+
+Each row is a mean over a group of swimmers and the windows of one lag, which do not overlap. Groups are independent
+samples, as swimmers are; a last group of fewer swimmers is left out. Lengths in a, times in a/U.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.analysis.columns import column
+from porous_swim.analysis.diffusion import (
+    FEWEST_LAGS,
+    MOST_LAGS,
+    SWIMMERS_PER_LAG,
+    EffectiveDiffusivity,
+    first_linear,
+)
+from porous_swim.analysis.displacements import non_gaussian
+from porous_swim.analysis.lagged import TimeAverages
+from porous_swim.analysis.transport import Lagged
+from porous_swim.results import TableInfo
+
+
+def ensemble_msd(lags: pa.Table) -> TimeAverages:
+    """Mean squared displacement against lag, a^2; a column of `each` is a group of swimmers."""
+    return _averages(lags, "msd")
+
+
+def ensemble_director_correlation(lags: pa.Table) -> TimeAverages:
+    """Mean of e(t + lag).e(t); a column of `each` is a group of swimmers."""
+    return _averages(lags, "director_correlation")
+
+
+def ensemble_non_gaussian_parameter(lags: pa.Table) -> Lagged:
+    """As `non_gaussian_parameter`, of all swimmers."""
+    return non_gaussian(ensemble_msd(lags), _averages(lags, "fourth_moment"), TableInfo.of(lags).dimensions)
+
+
+def ensemble_diffusivity(
+    lags: pa.Table, *, window: tuple[float, float] | None = None, level: float = 0.95
+) -> EffectiveDiffusivity:
+    """As `effective_diffusivity`, of all swimmers; the lags are those of the table.
+
+    `n` counts the swimmers. NaN where there are fewer than 20 groups, or 4 lags.
+    """
+    squares, info = ensemble_msd(lags), TableInfo.of(lags)
+    found = first_linear(
+        _windows(squares, window), n=squares.n, dimensions=info.dimensions, level=level, given=window is not None
+    )
+    return replace(found, n=squares.n * _group_size(lags))
+
+
+def _windows(squares: TimeAverages, window: tuple[float, float] | None) -> Iterator[TimeAverages]:
+    """Four to eight lags from the window given; or up to the longest and from ever later, twice as late each time."""
+    if len(squares.lag) == 0:
+        return
+    first, last = squares.lag[0], squares.lag[-1]
+    starts = [last / 2.0**k for k in range(int(np.log2(last / first)) + 1, 0, -1)]
+    for begin, end in [window] if window is not None else [(start, last) for start in starts]:
+        inside = np.flatnonzero((squares.lag >= begin * (1.0 - 1e-9)) & (squares.lag <= end * (1.0 + 1e-9)))
+        n_lags = min(MOST_LAGS, squares.n // SWIMMERS_PER_LAG, len(inside))
+        if n_lags >= FEWEST_LAGS:
+            chosen = inside[np.rint(np.linspace(0, len(inside) - 1, n_lags)).astype(int)]
+            yield TimeAverages(squares.lag[chosen], squares.each[chosen])
+
+
+def _group_size(lags: pa.Table) -> int:
+    return int(column(lags, "n_swimmers").max(initial=0))
+
+
+def _averages(lags: pa.Table, name: str) -> TimeAverages:
+    whole = column(lags, "n_swimmers") == _group_size(lags)
+    lag = np.unique(column(lags, "lag"))
+    n_groups = np.count_nonzero(whole) // max(len(lag), 1)
+    return TimeAverages(lag, column(lags, name)[whole].reshape(len(lag), n_groups))

@@ -1,0 +1,119 @@
+"""Displacements of all swimmers, summed on the device: against their trajectories, and against exact walks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import SMALL
+
+import porous_swim as ps
+from porous_swim.analysis.transport import tracks
+from porous_swim.results import TableInfo
+from tests import synthetic
+
+an = ps.analysis
+FREE = """
+name: free
+swimmers: {count: 4000, dipole_strength: 0.0, release: {kind: uniform}}
+hydrodynamics: {kind: none}
+noise: {kind: brownian, translational_diffusion: 0.05, rotational_diffusion: 0.3}
+obstacles: {layout: none}
+domain: {dimensions: 3, boundary: periodic, size: [50, 50, 50]}
+run: {time_step: 0.05, duration: 32, seed: 3, device: cpu}
+record: {every: 0.5, swimmers: 0, trails: 0}
+"""
+
+
+def scene_of(folder: Path, text: str, **changes: object) -> ps.Scene:
+    (folder / "scene.yaml").write_text(text)
+    return ps.load_scene(folder / "scene.yaml").replace(changes)
+
+
+def columns(table) -> dict[str, np.ndarray]:
+    return {name: table[name].to_numpy() for name in table.schema.names}
+
+
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_sums_over_lags_are_those_of_the_trajectories_of_all_swimmers(tmp_path, dimensions, precision):
+    changes = {"run.duration": 20.0, "run.precision": precision, "record.every": 0.25, "record.trails": 0}
+    if dimensions == 3:
+        changes |= {"obstacles": {"layout": "fcc", "radius": 3.5, "spacing": 10.0, "cells": [2, 2, 2]}}
+        changes |= {"domain": {"dimensions": 3, "boundary": "periodic"}}
+    scene = scene_of(tmp_path, SMALL)
+    count = scene.swimmers.count
+    results = ps.run(scene.replace({**changes, "record.swimmers": count}))
+    every = tracks(results.trajectory)
+    expected = columns(synthetic.lags(results.info, every.time, every.position, every.director))
+    found = columns(results.lags)
+    size = found["n_swimmers"].max()
+    assert found["n_swimmers"].sum() == count * len(np.unique(found["lag"]))
+    for name in ("msd", "fourth_moment", "director_correlation"):
+        each = expected[name].reshape(-1, count)
+        means = [np.mean(each[:, i : i + size], axis=1) for i in range(0, count, size)]
+        # single precision: a sum of 40 lengths of up to 40, each rounded to 2^-24 of it
+        tolerance = {"f32": 2e-5, "f64": 1e-12}[precision]
+        np.testing.assert_allclose(
+            found[name].reshape(len(each), -1), np.transpose(means), rtol=tolerance, atol=tolerance
+        )
+    np.testing.assert_array_equal(np.unique(found["lag"]), np.unique(expected["lag"]))
+    windows = expected["n_windows"].reshape(-1, count)[:, 0]
+    np.testing.assert_array_equal(found["n_windows"].reshape(len(windows), -1)[:, 0], windows)
+
+
+def test_time_series_are_those_of_the_trajectories_of_all_swimmers(tmp_path):
+    scene = scene_of(tmp_path, SMALL, **{"run.duration": 10.0})
+    results = ps.run(scene.replace({"record.swimmers": scene.swimmers.count}))
+    every, series = tracks(results.trajectory), columns(results.timeseries)
+    state = results.trajectory["state"].to_numpy().reshape(len(every.time), -1)
+    np.testing.assert_array_equal(series["fraction_bound"], np.mean(state > 0, axis=1))
+    np.testing.assert_array_equal(series["fraction_contact"], np.mean(state == 2, axis=1))
+    squared = np.sum((every.position - every.position[0]) ** 2, axis=2)
+    error = np.std(squared, axis=1, ddof=1) / np.sqrt(squared.shape[1])
+    np.testing.assert_allclose(series["msd"], squared.mean(axis=1), rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(series["msd_standard_error"], error, rtol=1e-4, atol=1e-6)
+
+
+def test_persistent_walkers_have_the_displacements_directors_and_diffusivity_of_theory(tmp_path):
+    results = ps.run(scene_of(tmp_path, FREE))
+    squares, overlap = an.ensemble_msd(results.lags), an.ensemble_director_correlation(results.lags)
+    decay, t = 2.0 * 0.3, squares.lag
+    expected = 6.0 * 0.05 * t + 2.0 / decay**2 * (decay * t - 1.0 + np.exp(-decay * t))
+    # 4 standard errors; the reflected scheme is of second order: 0.05^2 of a decay of 0.6 is far below them
+    assert np.all(np.abs(squares.value - expected) < 4.0 * squares.standard_error + 1e-3 * expected)
+    assert np.all(np.abs(overlap.value - np.exp(-decay * t)) < 4.0 * overlap.standard_error + 1e-3)
+    fit = an.ensemble_diffusivity(results.lags, window=(8.0, 16.0))
+    assert 3900 < fit.n <= 4000  # a last group of fewer is left out
+    assert abs(fit.value - (0.05 + 1.0 / (3.0 * decay))) < 4.0 * fit.standard_error
+    assert fit.linear
+
+
+def test_brownian_displacements_are_gaussian(tmp_path):
+    text = FREE.replace("rotational_diffusion: 0.3", "rotational_diffusion: 1000.0").replace("0.05, r", "1.0, r")
+    results = ps.run(scene_of(tmp_path, text, **{"run.duration": 8.0}))
+    found = an.ensemble_non_gaussian_parameter(results.lags)
+    assert np.all(np.abs(found.value) < 4.0 * found.standard_error + 1e-3)
+
+
+def test_sums_do_not_depend_on_threads_or_on_what_is_recorded(tmp_path):
+    scene = scene_of(tmp_path, SMALL, **{"run.duration": 5.0})
+    plain = ps.run(scene.replace({"run.threads": 1}))
+    other = ps.run(scene.replace({"run.threads": 2, "record.swimmers": 0, "record.trails": 0}))
+    for table in ("lags", "timeseries"):
+        assert getattr(plain, table).equals(getattr(other, table), check_metadata=False)
+    assert TableInfo.of(plain.lags).n_swimmers == scene.swimmers.count
+
+
+def test_a_frame_that_is_left_out_spoils_no_lag(tmp_path):
+    scene = scene_of(tmp_path, FREE, **{"swimmers.count": 50, "noise": {"kind": "none"}, "run.duration": 16.0})
+    simulation = ps.Simulation(scene)
+    for n in (1, 1, 1, 2, 1, 1, 3, 1, 1, 1, 4):  # frames to the next look
+        simulation.advance(n * scene.record_period)
+        simulation.frame()
+        simulation.frame()  # looking twice counts once
+    found = simulation.lags.columns()
+    assert len(np.unique(found["lag"])) > 3
+    # straight swimmers: each window's displacement is its length, in a, of frames of 0.5
+    np.testing.assert_allclose(found["msd"], (0.5 * found["lag"]) ** 2, rtol=1e-6)
