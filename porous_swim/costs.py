@@ -25,7 +25,7 @@ _FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = (
     1.3e-3,
     0.04e-6,
     1.6e-6,
-)  # a look at the run; of it each swimmer, each recorded
+)  # a look; each swimmer; each recorded
 
 
 @dataclass(frozen=True)

@@ -60,43 +60,42 @@ def make_mover(structure: Structure):
 
 
 @cache
-def make_lanes(real, dimensions: int, lanes: int):
-    """Return `load` and `store`, between memory and the lanes of a block."""
+def make_lanes(real, dimensions: int):
+    """Return `load` and `store`, between memory and lane j of a block."""
     rows = real_rows(dimensions)
 
     @ti.func
-    def load(f: ti.template(), n: ti.template(), block, swimmers: ti.template(), fresh):
-        for j in range(lanes):
-            i = ti.min(block * lanes + j, swimmers.int.shape[1] - 1)  # lanes beyond the last swimmer idle
-            for row in ti.static(range(rows.n_shared)):
-                f[row][j] = swimmers.real[row, i]
-            for row in ti.static(range(N_SHARED_INTS)):
-                n[row][j] = swimmers.int[row, i]
-            if fresh != 0:
-                n[Int.STEP][j] = 0
-            for k in ti.static(range(int(Law.ESCAPE_SINE))):
-                f[rows.alpha + k][j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
-            n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
-            n[Int.EVENT][j] |= int(Event.ORIENT)
-            if block * lanes + j >= swimmers.int.shape[1]:
-                n[Int.EVENT][j] = int(Event.HALT)
+    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), fresh):
+        """Take swimmer i into the lane; where the launch is `fresh` it is at its first step."""
+        for row in ti.static(range(rows.n_shared)):
+            f[row][j] = swimmers.real[row, i]
+        for row in ti.static(range(N_SHARED_INTS)):
+            n[row][j] = swimmers.int[row, i]
+        if fresh != 0:
+            n[Int.STEP][j] = 0
+        for k in ti.static(range(int(Law.ESCAPE_SINE))):
+            f[rows.alpha + k][j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
+        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
+        n[Int.EVENT][j] |= int(Event.ORIENT)
+        n[LaneInt.SWIMMER][j] = i
 
     @ti.func
-    def store(f: ti.template(), n: ti.template(), block, swimmers: ti.template(), first, n_steps):
-        for j in range(lanes):
-            i = block * lanes + j
-            if i < swimmers.int.shape[1]:
-                for row in ti.static(range(rows.n_shared)):
-                    swimmers.real[row, i] = f[row][j]
-                for row in ti.static(range(N_SHARED_INTS)):
-                    swimmers.int[row, i] = n[row][j]
-                if n[LaneInt.RELEASE][j] >= 0:
-                    swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
-                swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
-                if n[Int.EVENT][j] & int(Event.HALT):
-                    ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
-                elif (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] >= n_steps):
-                    ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
+    def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first, n_steps):
+        """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
+        i = n[LaneInt.SWIMMER][j]
+        if i >= 0:
+            for row in ti.static(range(rows.n_shared)):
+                swimmers.real[row, i] = f[row][j]
+            for row in ti.static(range(N_SHARED_INTS)):
+                swimmers.int[row, i] = n[row][j]
+            if n[LaneInt.RELEASE][j] >= 0:
+                swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
+            swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
+            if n[Int.EVENT][j] & int(Event.HALT):
+                ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
+            elif n[Int.EVENT][j] == 0:
+                ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
+        n[LaneInt.SWIMMER][j], n[Int.EVENT][j] = -1, int(Event.HALT)
 
     return load, store
 
@@ -117,8 +116,8 @@ def make_advance(structure: Structure):
     orient = make_orient(real, dimensions, located)
     encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator == "reflected")
     to = make_surface(real, surface)
-    load, store = make_lanes(real, dimensions, lanes)
-    Wide, WideInt, WideWord = (ti.types.vector(lanes, t) for t in (real, ti.i32, ti.u32))
+    load, store = make_lanes(real, dimensions)
+    Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     n_ints = len(LaneInt) + N_SHARED_INTS
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
@@ -149,14 +148,14 @@ def make_advance(structure: Structure):
                     encounters(f, n, j, i, swimmers, medium, log, rules)
 
     @ti.func
-    def attend_all(f: ti.template(), n: ti.template(), first_swimmer, swimmers: ti.template(), medium: ti.template(),
+    def attend_all(f: ti.template(), n: ti.template(), swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what the lanes wait for: settle and book; what comes of it; orient those whose encounter it changed."""
         for _ in range(3):
             settled = 0
             for j in range(lanes):
                 if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
-                    attend(f, n, j, first_swimmer + j, swimmers, medium, log, rules)
+                    attend(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
                     settled |= n[LaneInt.SETTLED][j]
             if settled != 0:
                 r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
@@ -172,7 +171,7 @@ def make_advance(structure: Structure):
         log_real: reals, log_int: ints, log_long: longs,
         dt: real, escape_height: real, contact_band: real, tolerance: real, margin: real,
         first: ti.i64, first_low: ti.u32, first_high: ti.u32, key0: ti.u32, key1: ti.u32,
-        tableau: reals, n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, stride: ti.i32, chunk: ti.i32,
+        tableau: reals, n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, share: ti.i32, stride: ti.i32, chunk: ti.i32,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, state_long, law, total))
         medium = ti.static(Medium(center, radius, first_cell, candidate, grid, scale))
@@ -184,23 +183,26 @@ def make_advance(structure: Structure):
             n_blocks * stride
         ):  # Taichi's CPU tasks are at least 512 iterations: a block is `stride` of them
             if t % stride == 0:
-                block = t // stride
+                i, end = t // stride * share, ti.min((t // stride + 1) * share, state_int.shape[1])
                 f = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
                 n = [WideInt(0) for _ in ti.static(range(n_ints))]
-                swimmer = WideWord(ti.u32(0))
-                for j in range(lanes):
-                    swimmer[j] = ti.cast(block * lanes + j, ti.u32)
-                load(f, n, block, swimmers, fresh)
-                go = 1
-                while go != 0:
-                    attend_all(f, n, block * lanes, swimmers, medium, log, rules)
-                    go = 0
+                n[LaneInt.SWIMMER], n[Int.EVENT] = WideInt(-1), WideInt(int(Event.HALT))
+                busy = 1
+                while busy != 0:
+                    attend_all(f, n, swimmers, medium, log, rules)
+                    busy, moving = 0, 0
                     for j in range(lanes):
                         if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
-                            go = 1
-                    if go != 0:
+                            moving = 1
+                        else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
+                            store(f, n, j, swimmers, first, n_steps)
+                            if i < end:
+                                load(f, n, j, i, swimmers, fresh)
+                                i += 1
+                                busy = 1
+                    if moving != 0:
+                        busy = 1
                         for _ in range(chunk):
-                            step(f, n, swimmer, swimmers, medium, rules, n_steps)
-                store(f, n, block, swimmers, first, n_steps)
+                            step(f, n, ti.cast(n[LaneInt.SWIMMER], ti.u32), swimmers, medium, rules, n_steps)
 
     return advance

@@ -26,6 +26,8 @@ from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
 
 LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
+SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
+BLOCKS = 64
 CHUNK = 4  # steps between looks at events
 LOG_ROWS = 8192
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
@@ -89,7 +91,9 @@ class Engine:
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
-        self._n_blocks = -(-self.n_swimmers // (self.lanes * group)) * group
+        most = -(-self.n_swimmers // (self.lanes * BLOCKS))
+        self._share = self.lanes * max(1, min(SHARE, most)) if backend.is_cpu else 1
+        self._n_blocks = -(-self.n_swimmers // (self._share * group)) * group
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
@@ -191,7 +195,7 @@ class Engine:
             with whole_vectors(self.lanes > 1):
                 self._advance(
                     *self._swimmers, *self._medium, *self._log, *rules,
-                    n_steps, fresh, self._n_blocks, self._stride, self._chunk,
+                    n_steps, fresh, self._n_blocks, self._share, self._stride, self._chunk,
                 )  # fmt: skip
             self._total = total = on_host(self._swimmers.total)
             finished, fresh = int(total[Total.FINISHED]), 0

@@ -68,6 +68,7 @@ class LaneInt(IntEnum):
     LOW = 9  # a located move began in the contact band
     BETWEEN = 10  # there is a mate
     SETTLED = 11  # the trial move has been settled and is to be booked
+    SWIMMER = 12  # number of the swimmer in the lane; -1 if none
 
 
 class Long(IntEnum):
