@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from porous_swim.engine.engine import Engine, Laws, Numbers
+from porous_swim.engine.engine import Engine
+from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.errors import SceneError
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
@@ -64,7 +65,8 @@ def run_batch(scenes: Sequence[Scene]) -> list[Member]:
         laws=Laws(*(np.concatenate([getattr(law, name) for law in laws]) for name in Laws.__dataclass_fields__)),
         law_of=np.repeat(np.arange(len(scenes), dtype=np.int32), counts),
         numbers=Numbers(
-            first.run.time_step, first.encounter.escape_height, first.encounter.contact_band, first.run.seed
+            first.run.time_step, first.encounter.escape_height, first.encounter.contact_band, first.run.seed,
+            first.flight_ticks,
         ),
         hydrodynamics=type(first.hydrodynamics), precision=first.precision, integrator=first.integrator,
         variates=first.noise.variates if isinstance(first.noise, Brownian) else None,
@@ -86,6 +88,7 @@ def _structure(scene: Scene) -> dict[str, object]:
         "noise.variates": noise.variates if isinstance(noise, Brownian) else None,
         "encounter.escape_height": scene.encounter.escape_height,
         "encounter.contact_band": scene.encounter.contact_band, "run.time_step": scene.run.time_step,
+        "run.flight_step": scene.run.flight_step,
         "run.duration": scene.run.duration, "run.precision": scene.precision, "run.integrator": scene.integrator,
         "record.every": scene.record_period,
     }  # fmt: skip
@@ -125,7 +128,7 @@ def _frames(engine: Engine, scene: Scene) -> list[tuple[float, np.ndarray, np.nd
         left = scene.n_steps - engine.step
         if left == 0:
             return frames
-        engine.advance(min(left, scene.record_period if recorded else FEWEST_LAUNCH))
+        engine.advance(min(left, scene.record_period if recorded else FEWEST_LAUNCH * scene.flight_ticks))
 
 
 def _member(

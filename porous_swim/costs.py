@@ -13,16 +13,16 @@ from porous_swim.scene import Scene
 
 # A swimmer-step on one thread of a present-day x86-64 CPU whose other threads swim too, measured in a crystal.
 NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
-    ("euler", "f32"): {"sphere": 12.0, "flat": 12.0, "rod": 25.0, "needle": 85.0},
-    ("euler", "f64"): {"sphere": 17.0, "flat": 17.0, "rod": 45.0, "needle": 130.0},
-    ("reflected", "f32"): {"sphere": 17.0, "flat": 17.0, "rod": 38.0, "needle": 130.0},
-    ("reflected", "f64"): {"sphere": 28.0, "flat": 28.0, "rod": 70.0, "needle": 215.0},
-    ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4600.0, "needle": 15000.0},
+    ("euler", "f32"): {"sphere": 11.0, "flat": 11.0, "rod": 18.0, "needle": 48.0},
+    ("euler", "f64"): {"sphere": 14.0, "flat": 14.0, "rod": 34.0, "needle": 100.0},
+    ("reflected", "f32"): {"sphere": 18.0, "flat": 18.0, "rod": 28.0, "needle": 80.0},
+    ("reflected", "f64"): {"sphere": 24.0, "flat": 24.0, "rod": 60.0, "needle": 170.0},
+    ("located", "f64"): {"sphere": 900.0, "flat": 900.0, "rod": 4400.0, "needle": 15000.0},
 }
 COMPILING = 10.0  # of a kernel that is not in the cache
 _STARTING = 2.5  # Python, placing, a kernel from the cache, tables and summary of few encounters
 _FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = (
-    1.3e-3,
+    2.2e-3,
     0.04e-6,
     1.6e-6,
 )  # a look; each swimmer; each recorded

@@ -8,13 +8,13 @@ import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
+from porous_swim.engine.lags import n_levels
 from porous_swim.engine.probe import height_at_sine
+from porous_swim.engine.state import N_INTS, Long, real_rows
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
 from porous_swim.scene import Scene
-
-BYTES = {"f32": 260, "f64": 400}  # a swimmer on the device
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -76,9 +76,16 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * BYTES[scene.precision])} for the swimmers on the device"),
+        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
+
+
+def _bytes_per_swimmer(scene: Scene) -> int:
+    """Of its state, and of its origins in time of displacements."""
+    d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
+    origins = n_levels(scene.n_steps // scene.record_period) * (2 * d * real + 4 * 4)
+    return real_rows(d).n_memory * real + N_INTS * 4 + len(Long) * 8 + origins
 
 
 def _time(seconds: Seconds) -> str:

@@ -22,7 +22,7 @@ from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.scene_errors import scene_error
 from porous_swim.scene_identity import resolved, save, scene_hash
 from porous_swim.scene_warnings import warnings_of
-from porous_swim.sections import Population, Record, Run, check_whole_steps
+from porous_swim.sections import Population, Record, Run, check_flights, check_whole_steps
 from porous_swim.streams import Stream, generator
 from porous_swim.swarm import Swimmers
 from porous_swim.units import Units, UnitSystem
@@ -130,10 +130,15 @@ class Scene(Part):
         return round(self.run.duration / self.run.time_step)
 
     @property
+    def flight_ticks(self) -> int:
+        """Number of steps that a swimmer far from every colloid takes at once."""
+        return 1 if self.run.flight_step is None else round(self.run.flight_step / self.run.time_step)
+
+    @property
     def record_period(self) -> int:
         """Number of steps between frames of the recording."""
         if self.record.every is None:
-            return max(1, self.n_steps // _FRAMES)
+            return max(1, self.n_steps // (_FRAMES * self.flight_ticks)) * self.flight_ticks
         return round(self.record.every / self.run.time_step)
 
     @property
@@ -220,6 +225,7 @@ class Scene(Part):
         check_whole_steps("run.duration", self.run.duration, self.run.time_step)
         if self.record.every is not None:
             check_whole_steps("record.every", self.record.every, self.run.time_step)
+        check_flights(self.run, self.record, integrator=self.integrator, rotational_diffusion=self.rotational_diffusion)
         self.obstacles.check(self.domain)
         self.swimmers.release.check(self.domain)
         self.encounter.check()

@@ -10,6 +10,7 @@ from porous_swim.parts import KeyedError, Part, Time, Whole
 from porous_swim.release import Release, Uniform
 
 _MOST_STEPS = 2**62  # steps are counted in 64-bit integers
+_MOST_TURN = 0.017  # D_r times the length of a flight: kicks of 5.4 standard deviations then turn by one radian
 
 
 class Population(Part):
@@ -51,6 +52,11 @@ class Run(Part):
 
     time_step: Annotated[Time, Field(gt=0.0)]
     """Length of a step."""
+    flight_step: Annotated[Time, Field(gt=0.0)] | None = None
+    """Length of the steps of free swimmers that are so far from every colloid that they can neither reach it in such a
+    step nor feel its flow change: a whole number of steps, of which `duration` and `record.every` are whole numbers.
+    It pays where swimmers are free for long, in dilute fields and around single colloids. For runs with the
+    integrator `reflected`. Left out: `time_step`."""
     duration: Annotated[Time, Field(gt=0.0, le=1e9)]
     """Length of the run, a whole number of steps."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
@@ -96,3 +102,19 @@ def check_whole_steps(key: str, time: float, time_step: float) -> None:
     if abs(steps - nearest) > 1e-6:
         message = f"{time:.12g} is not a whole number of steps of {time_step:g}"
         raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")
+
+
+def check_flights(run: Run, record: Record, *, integrator: str, rotational_diffusion: float) -> None:
+    """Raise a `KeyedError` where steps cannot grow to `run.flight_step`."""
+    key, length = "run.flight_step", run.flight_step
+    if length is None:
+        return
+    if integrator != "reflected":
+        raise KeyedError(key, f"flights are for the integrator reflected, which has noise: found {integrator}")
+    check_whole_steps(key, length, run.time_step)
+    for other, time in (("run.duration", run.duration), ("record.every", record.every)):
+        if time is not None:
+            check_whole_steps(other, time, length)
+    if length * rotational_diffusion > _MOST_TURN:
+        most = _MOST_TURN / rotational_diffusion
+        raise KeyedError(key, f"expected at most {most:.3g}, in which a swimmer turns little, found {length:g}")

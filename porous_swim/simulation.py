@@ -15,8 +15,9 @@ import numpy as np
 from porous_swim.costs import COMPILING
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
-from porous_swim.engine.engine import Engine, Laws, Numbers
-from porous_swim.engine.lags import Lags, periods
+from porous_swim.engine.engine import Engine
+from porous_swim.engine.lags import Lags, n_levels
+from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
@@ -64,13 +65,14 @@ class Simulation:
         self.engine = Engine(
             self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
             numbers=Numbers(
-                scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed
+                scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed,
+                scene.flight_ticks,
             ),
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
             variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes,
         )  # fmt: skip
         n_frames = scene.n_steps // scene.record_period
-        self._survey = self.engine.survey(n_levels=1 + len(periods(n_frames)))
+        self._survey = self.engine.survey(n_levels=n_levels(n_frames))
         self.lags = Lags(self._survey, period=scene.record_period, n_frames=n_frames)
 
     @property
@@ -84,7 +86,7 @@ class Simulation:
         return self.step * self.scene.run.time_step
 
     def advance(self, n_steps: int) -> None:
-        """Move all swimmers by `n_steps`. RunError where a swimmer cannot go on."""
+        """Move all swimmers by `n_steps`, whole flights of them. RunError where a swimmer cannot go on."""
         self.engine.advance(n_steps)
 
     def frame(self, n: int | None = None) -> Frame:
@@ -194,13 +196,13 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
     with watch.timing("compiling"):  # also what looks
         observers.observe()
     observers.clock.start(step=0)
-    begin, at_once = time.perf_counter(), 1
+    begin, at_once = time.perf_counter(), simulation.scene.flight_ticks
     while simulation.step < end and not interrupts:
         due = min(schedule.next_step(simulation.step), end)
         last = time.perf_counter()
         with watch.timing("swimming"):
             simulation.advance(min(at_once, due - simulation.step))
-        at_once = _next_launch(at_once, time.perf_counter() - last)
+        at_once = _next_launch(at_once, time.perf_counter() - last, unit=simulation.scene.flight_ticks)
         if simulation.step == due:
             with watch.timing("recording"):
                 observers.observe()
@@ -209,11 +211,11 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
     return steps / (time.perf_counter() - begin) if steps > 0 else None
 
 
-def _next_launch(steps: int, seconds: float) -> int:
+def _next_launch(steps: int, seconds: float, *, unit: int) -> int:
     """Launches grow until they take about as long as a user may wait; results do not depend on them."""
     if seconds < 0.5 * LOOK_SECONDS:
-        return min(2 * steps, 1 << 30)
-    return max(1, steps // 2) if seconds > LOOK_SECONDS else steps
+        return min(2 * steps, (1 << 30) // unit * unit)
+    return max(1, steps // (2 * unit)) * unit if seconds > LOOK_SECONDS else steps
 
 
 def _device_line(scene: Scene, started: Backend) -> str:

@@ -7,7 +7,8 @@ import hashlib
 import numpy as np
 
 from porous_swim.engine import backend
-from porous_swim.engine.engine import Engine, Laws, Numbers
+from porous_swim.engine.engine import Engine
+from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.hydrodynamics import ImageDipole
 
@@ -53,14 +54,14 @@ def released(field: ObstacleField, n: int, *, seed=0, clearance=1.01) -> tuple[n
 def make_engine(
     field: ObstacleField, position, director, *, alpha=0.8, gamma=1.0, D=0.002, D_r=None, time_step=0.005, seed=1,
     precision="f32", variates="gaussian", device="cpu", threads=None, hydrodynamics=ImageDipole,
-    escape_sine=2.0, **options,
+    escape_sine=2.0, flight_ticks=1, **options,
 ) -> Engine:  # fmt: skip
     """An engine for swimmers that share one law; `alpha` and `escape_sine` may be arrays with `law_of`."""
     columns = np.broadcast_arrays(alpha, gamma, D, 0.75 * D if D_r is None else D_r, escape_sine)
     return Engine(
         backend.ensure(device, threads), field, np.atleast_2d(np.array(position, float)),
         np.atleast_2d(np.array(director, float)), laws=Laws(*(np.atleast_1d(c).astype(float) for c in columns)),
-        numbers=Numbers(time_step, 1.5, 0.05, seed), hydrodynamics=hydrodynamics,
+        numbers=Numbers(time_step, 1.5, 0.05, seed, flight_ticks), hydrodynamics=hydrodynamics,
         variates=variates if np.any(D) else None, precision=precision, **options,
     )  # fmt: skip
 

@@ -78,3 +78,21 @@ def test_swimmers_at_a_wall_are_those_of_the_cpu_to_the_bit():
         assert engine.counts()[1] > 10
         prints.add(fingerprint(engine))
     assert len(prints) == 1
+
+
+def test_sums_over_all_swimmers_are_those_of_the_cpu():
+    field = hexagonal(cells=(2, 1))
+    position, director = released(field, 600)  # groups of two
+    found = {}
+    for device in ("cpu", "vulkan"):
+        engine = make_engine(field, position, director, device=device, alpha=4.0, D=0.006, time_step=0.02)
+        survey = engine.survey(n_levels=2)
+        survey.look(1, renew=True)
+        engine.advance(4)
+        found[device] = [survey.look(level) for level in (0, 1)]
+    for one, other in zip(found["cpu"], found["vulkan"], strict=True):
+        for name in ("n", "bound", "contact"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+        for name in ("square", "overlap"):  # sums may be fused, not what they are sums of
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-5, atol=1e-6)
+    assert found["cpu"][0].bound.sum() > 0

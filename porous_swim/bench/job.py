@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from porous_swim.engine.engine import Laws
+from porous_swim.engine.laws import Laws
 from porous_swim.scene import Scene, load_scene
 from porous_swim.templates import scenes_folder
 

@@ -36,6 +36,7 @@ class Structure:
     lanes: int
     integrator: str = "euler"  # or "located", "reflected"
     surface: Surface = "sphere"  # of the obstacles
+    flights: bool = False  # whether steps grow far from every colloid
 
 
 @cache
@@ -54,18 +55,18 @@ def make_mover(structure: Structure):
         return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
     if structure.integrator == "reflected":
         integrate = make_reflected(drift, real, dimensions, structure.variates, height_and_slope, surface)
-        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface)
+        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface, structure.flights)
     integrate = make_euler(drift, real, dimensions, structure.variates)
     return make_step(real, dimensions, integrate, contact_height, sphere, surface)
 
 
 @cache
-def make_lanes(real, dimensions: int):
+def make_lanes(real, dimensions: int, flights: bool):
     """Return `load` and `store`, between memory and lane j of a block."""
     rows = real_rows(dimensions)
 
     @ti.func
-    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), fresh):
+    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), rules: ti.template(), fresh):
         """Take swimmer i into the lane; where the launch is `fresh` it is at its first step."""
         for row in ti.static(range(rows.n_shared)):
             f[row][j] = swimmers.real[row, i]
@@ -78,6 +79,8 @@ def make_lanes(real, dimensions: int):
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
         n[Int.EVENT][j] |= int(Event.ORIENT)
         n[LaneInt.SWIMMER][j] = i
+        if ti.static(flights):  # launches begin where flights may
+            n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
 
     @ti.func
     def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first, n_steps):
@@ -109,14 +112,14 @@ def make_advance(structure: Structure):
     located, surface = structure.integrator == "located", structure.surface
     step = make_mover(structure)
     sphere, integrator = structure.shape == "sphere", structure.integrator
-    book = make_book(real, dimensions, surface, integrator)
+    book = make_book(real, dimensions, surface, integrator, structure.flights)
     whole, _ = make_wide(dimensions)
     get, put = make_vectors(dimensions)
     settle = make_settle(real, dimensions, contact_height, sphere, surface, integrator)
     orient = make_orient(real, dimensions, located)
     encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator == "reflected")
     to = make_surface(real, surface)
-    load, store = make_lanes(real, dimensions)
+    load, store = make_lanes(real, dimensions, structure.flights)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     n_ints = len(LaneInt) + N_SHARED_INTS
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
@@ -152,11 +155,14 @@ def make_advance(structure: Structure):
                    log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what the lanes wait for: settle and book; what comes of it; orient those whose encounter it changed."""
         for _ in range(3):
-            settled = 0
+            waiting, settled = 0, 0
             for j in range(lanes):
-                if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
-                    attend(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
-                    settled |= n[LaneInt.SETTLED][j]
+                waiting |= n[Int.EVENT][j]
+            if (waiting & ~int(Event.HALT)) != 0:
+                for j in range(lanes):
+                    if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
+                        attend(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
+                        settled |= n[LaneInt.SETTLED][j]
             if settled != 0:
                 r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
                 s = to.sine(r, whole(f, rows.trial_e), to.distance(r))
@@ -171,13 +177,28 @@ def make_advance(structure: Structure):
         log_real: reals, log_int: ints, log_long: longs,
         dt: real, escape_height: real, contact_band: real, tolerance: real, margin: real,
         first: ti.i64, first_low: ti.u32, first_high: ti.u32, key0: ti.u32, key1: ti.u32,
-        tableau: reals, n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, share: ti.i32, stride: ti.i32, chunk: ti.i32,
+        flight_ticks: ti.i32, flight_height: real, tableau: reals,
+        n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, share: ti.i32, stride: ti.i32, chunk: ti.i32,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, state_long, law, total))
         medium = ti.static(Medium(center, radius, first_cell, candidate, grid, scale))
         log = ti.static(Log(log_real, log_int, log_long))
         rules = ti.static(
-            Rules(dt, escape_height, contact_band, tolerance, margin, first, first_low, first_high, key0, key1, tableau)
+            Rules(
+                dt,
+                escape_height,
+                contact_band,
+                tolerance,
+                margin,
+                first,
+                first_low,
+                first_high,
+                key0,
+                key1,
+                flight_ticks,
+                flight_height,
+                tableau,
+            )
         )
         for t in range(
             n_blocks * stride
@@ -197,7 +218,7 @@ def make_advance(structure: Structure):
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
                             store(f, n, j, swimmers, first, n_steps)
                             if i < end:
-                                load(f, n, j, i, swimmers, fresh)
+                                load(f, n, j, i, swimmers, rules, fresh)
                                 i += 1
                                 busy = 1
                     if moving != 0:

@@ -109,7 +109,7 @@ def make_unwound(real):
 
 
 @cache
-def make_book(real, dimensions: int, surface: Surface, integrator: str):
+def make_book(real, dimensions: int, surface: Surface, integrator: str, flights: bool = False):
     """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
@@ -124,13 +124,18 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str):
     to = make_surface(real, surface)
 
     @ti.func
-    def tick(f: ti.template(), n: ti.template(), on):
+    def tick(f: ti.template(), n: ti.template(), on, rules: ti.template()):
         """Set the clock forward."""
         if ti.static(located):
             ends = f[rows.trial_clock] >= real(1.0)
             clock = ti.select(ends, real(0.0), f[rows.trial_clock])
             f[rows.clock] = ti.select(on, clock, f[rows.clock])
             n[Int.STEP] = n[Int.STEP] + ti.select(on & ends, 1, 0)
+        elif ti.static(flights):
+            ticks = ti.select(on, n[LaneInt.TICKS], 0)
+            after = n[LaneInt.AFTER] + ticks
+            n[Int.STEP] = n[Int.STEP] + ticks
+            n[LaneInt.AFTER] = ti.select(after >= rules.flight_ticks, 0, after)
         else:
             n[Int.STEP] = n[Int.STEP] + ti.select(on, 1, 0)
         if ti.static(reflected):
@@ -225,7 +230,7 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str):
         timed = passed & on & (n[LaneInt.WATCH_PITCH] != 0)
         events = ti.select(touch, int(Event.CONTACT), 0) | ti.select(timed, int(Event.PITCH), 0)
         n[Int.EVENT] = n[Int.EVENT] | events | ti.select(left & bound, int(Event.ESCAPE), 0)
-        tick(f, n, on)
+        tick(f, n, on, rules)
         put_whole(f, rows.x, pick(on, x1, x0))
         put_whole(f, rows.rest, pick(on, whole(f, rows.trial_rest), whole(f, rows.rest)))
         put_whole(f, rows.e, pick(on, e1, e0))

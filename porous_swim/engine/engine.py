@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import taichi as ti
 from taichi.lang.util import to_numpy_type
@@ -11,6 +9,7 @@ from taichi.lang.util import to_numpy_type
 from porous_swim.engine.advance import Structure, make_advance
 from porous_swim.engine.backend import Backend, whole_vectors
 from porous_swim.engine.host import HostState, Snapshot
+from porous_swim.engine.laws import Laws, Numbers, flight_height
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.records import News, Records
@@ -44,35 +43,6 @@ COMPLAINTS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Laws:
-    """A table of parameter sets, one row each: structure is compiled, these are arguments."""
-
-    dipole_strength: np.ndarray  # (n_sets,) alpha
-    aspect_ratio: np.ndarray  # (n_sets,) gamma
-    translational_diffusion: np.ndarray  # (n_sets,) a U
-    rotational_diffusion: np.ndarray  # (n_sets,) U/a
-    escape_sine: np.ndarray  # (n_sets,); above 1: never; below -1: the lift-off pitch of each colloid
-
-    def table(self, time_step: float) -> np.ndarray:
-        """(n_sets, len(Law)) float64, the columns in the order of `Law`."""
-        squared = self.aspect_ratio**2
-        kick = np.sqrt(2.0 * self.translational_diffusion * time_step)
-        turn = np.sqrt(2.0 * self.rotational_diffusion * time_step)
-        bretherton = (1.0 - squared) / (1.0 + squared)
-        return np.stack([self.dipole_strength, bretherton, kick, turn, self.aspect_ratio, self.escape_sine], axis=1)
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """The numbers of a run that all swimmers share, in a, U and a/U."""
-
-    time_step: float
-    escape_height: float
-    contact_band: float
-    seed: int
-
-
 class Engine:
     """Advances swimmers through a field; the state lives on the device, steps are counted here."""
 
@@ -97,6 +67,9 @@ class Engine:
         self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
+        if numbers.flight_ticks > self._longest_launch:
+            raise DeviceError(f"run.flight_step: {self._device} takes no flights: use cpu, or leave it out")
+        self._flight_height = flight_height(laws, numbers)
         self._compile(flow, variates, precision, integrator, shape)
         cells = build_cells(field, reach=numbers.escape_height)
         rounding = float(np.finfo(self._real).eps)
@@ -114,11 +87,16 @@ class Engine:
     def advance(self, n_steps: int) -> None:
         """Move all swimmers by `n_steps`; how the steps are cut into launches does not change a bit.
 
+        With flights it is a whole number of these.
+
         Raises:
             RunError: a swimmer cannot go on; the message says which, where and why.
         """
+        unit = self._numbers.flight_ticks
+        if n_steps % unit:
+            raise ValueError(f"n_steps: expected a multiple of the {unit} steps of a flight, found {n_steps}")
         while n_steps > 0:
-            now = min(n_steps, self._longest_launch)
+            now = min(n_steps, max(1, self._longest_launch // unit) * unit)
             self._launch(now)
             self.step += now
             n_steps -= now
@@ -169,7 +147,8 @@ class Engine:
         real = {"f32": ti.f32, "f64": ti.f64}[precision]
         field = self._field
         structure = Structure(
-            hydrodynamics, variates, shape, field.dimensions, real, self.lanes, integrator, field.surface
+            hydrodynamics, variates, shape, field.dimensions, real, self.lanes, integrator, field.surface,
+            self._numbers.flight_ticks > 1,
         )  # fmt: skip
         self._advance = make_advance(structure)
         self._survey_parts = real, field.dimensions, HardContact.make_height(real, shape), field.surface
@@ -187,7 +166,8 @@ class Engine:
         seed, first, numbers = self._numbers.seed, self.step, self._numbers
         rules = Rules(
             numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,
-            first, first & WORD, first >> 32, seed & WORD, seed >> 32, self._tableau,
+            first, first & WORD, first >> 32, seed & WORD, seed >> 32,
+            numbers.flight_ticks, self._flight_height, self._tableau,
         )  # fmt: skip
         fresh, finished, idle = 1, 0, 0
         while finished < self.n_swimmers:

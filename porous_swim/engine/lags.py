@@ -31,6 +31,11 @@ def periods(n_frames: int) -> list[int]:
     return found
 
 
+def n_levels(n_frames: int) -> int:
+    """Levels of the survey of such a run."""
+    return 1 + len(periods(n_frames))
+
+
 class Lags:
     """The sums of a run. `note` every frame that there is, at multiples of `period` steps."""
 

@@ -21,7 +21,7 @@ def now(n: ti.template(), rules: ti.template()):
 
 
 @cache
-def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: str):
+def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: str, flights: bool = False):
     """Return `end(f, n, on, rules, least)`, which books the trial moves of the lanes `on` that stay within budget.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it.
@@ -29,7 +29,7 @@ def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: 
     """
     rows = real_rows(dimensions)
     whole, _ = make_wide(dimensions)
-    book = make_book(real, dimensions, surface, integrator)
+    book = make_book(real, dimensions, surface, integrator, flights)
 
     @ti.func
     def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):

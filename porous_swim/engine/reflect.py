@@ -14,22 +14,37 @@ from porous_swim.physics.surface import Surface, make_surface
 
 
 @cache
-def make_reflect(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface):
+def make_reflect(
+    real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, flights: bool
+):  # fmt: skip
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lanes that wait for nothing."""
     rows = real_rows(dimensions)
     whole, put_whole = make_wide(dimensions)
-    end = make_end(real, dimensions, sphere, surface, "reflected")
+    end = make_end(real, dimensions, sphere, surface, "reflected", flights)
     to = make_surface(real, surface)
+
+    @ti.func
+    def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):
+        """The length of each lane's step, and the law over it: a free swimmer far from all takes several at once."""
+        law = [f[rows.alpha + k] for k in ti.static(range(4))]
+        if ti.static(not flights):
+            return rules.dt, law
+        flies = (n[Int.PHASE] == int(Phase.FREE)) & (n[LaneInt.AFTER] == 0)
+        far = flies & (to.distance(x) - A >= rules.flight_height)
+        ticks = ti.cast(rules.flight_ticks, real)
+        n[LaneInt.TICKS] = ti.select(far, rules.flight_ticks, 1)
+        root = ti.select(far, ti.sqrt(ticks), real(1.0))
+        return ti.select(far, rules.dt * ticks, rules.dt), [law[0], law[1], law[2] * root, law[3] * root]
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), n_steps):  # fmt: skip
         on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
         x, A, gamma = whole(f, rows.x), f[rows.A], f[rows.gamma]
-        law = [f[rows.alpha + k] for k in ti.static(range(4))]
+        dt, law = scaled(f, n, x, A, rules)
         low, high = now(n, rules)
         dx, e, gap0, variance, deep, aside = integrate(
-            x, whole(f, rows.e), A, law, gamma, rules.dt, swimmer, low, high, rules.key0, rules.key1
+            x, whole(f, rows.e), A, law, gamma, dt, swimmer, low, high, rules.key0, rules.key1
         )
         y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
         free = rounded(x + y)

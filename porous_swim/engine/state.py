@@ -69,6 +69,8 @@ class LaneInt(IntEnum):
     BETWEEN = 10  # there is a mate
     SETTLED = 11  # the trial move has been settled and is to be booked
     SWIMMER = 12  # number of the swimmer in the lane; -1 if none
+    TICKS = 13  # steps that the trial move takes at once: several in a flight far from every colloid
+    AFTER = 14  # steps since the last one at which a flight may begin
 
 
 class Long(IntEnum):

@@ -31,6 +31,8 @@ class Rules(NamedTuple):
     first_high: Any
     key0: Any
     key1: Any
+    flight_ticks: Any  # i32, steps that a move far from every colloid takes at once
+    flight_height: Any  # from where on it is far
     tableau: Any  # of `physics.located`; one number where events are not located
 
 

@@ -35,19 +35,26 @@ def bars(figures: dict[str, list[dict[str, Any]]]) -> dict[str, float]:
 
 def draw(found: dict[str, Any], path: Path) -> None:
     figures = found["figures"]
-    picture, (programs, swimmers, colloids) = plt.subplots(
-        1, 3, figsize=(13, 3.8), constrained_layout=True, width_ratios=(1.5, 1, 1)
+    picture, (programs, swimmers, colloids, threads) = plt.subplots(
+        1, 4, figsize=(16, 3.8), constrained_layout=True, width_ratios=(1.7, 1, 1, 0.8)
     )
     times = bars(figures)
     ours = ["tab:gray" if any(word in name for word in ("C", "NumPy", "LAMMPS")) else "tab:blue" for name in times]
     programs.barh(list(times), list(times.values()), color=ours)
     programs.bar_label(programs.containers[0], fmt="%.1f", padding=2)
-    programs.set(xscale="log", xlabel="ns per swimmer-step, one thread", xlim=(3, 400))
+    programs.set(xscale="log", xlabel="ns per swimmer-step, one thread", xlim=(1.5, 400))
     for axes, group, label in ((swimmers, "swimmers", "swimmers"), (colloids, "colloids", "colloids")):
         axes.plot(*curve(figures[group]), "o-", color="tab:blue")
-        axes.set(xscale="log", xlabel=f"number of {label}", ylabel="ns per swimmer-step", ylim=(0, 30))
+        axes.set(xscale="log", xlabel=f"number of {label}", ylabel="ns per swimmer-step", ylim=(0, 20))
     swimmers.set_title("fcc lattice, 864 colloids")
     colloids.set_title("fcc lattice, 2048 swimmers")
+    taken = figures["threads"][0]["nanoseconds"]
+    for name, color in (("engine", "tab:blue"), ("C", "tab:gray")):
+        times = {int(key.split(", ")[1].split()[0]): ns for key, ns in taken.items() if key.startswith(name + ",")}
+        counts = sorted(times)
+        threads.plot(counts, [times[counts[0]] / times[count] for count in counts], "o-", color=color, label=name)
+    threads.set(xlabel="threads", ylabel="gain", xticks=counts, ylim=(0, None), title="fcc lattice; one colloid in C")
+    threads.legend(frameon=False, loc="lower right")
     picture.savefig(path, dpi=120)
 
 
