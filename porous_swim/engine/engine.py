@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import taichi as ti
 from taichi.lang.util import to_numpy_type
@@ -26,8 +28,8 @@ from porous_swim.physics.located import tableau
 
 LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
-BLOCKS = 64
-CHUNK = 4  # steps between looks at events
+BLOCKS = 8  # at least, to a thread
+CHUNK = 5  # steps between looks at events
 LOG_ROWS = 8192
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
 # Threads of a group on a GPU; the last group is filled with lanes that idle. In a group filled in part llvmpipe
@@ -61,10 +63,11 @@ class Engine:
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
-        most = -(-self.n_swimmers // (self.lanes * BLOCKS))
+        n_threads = backend.threads or os.cpu_count() or 1
+        most = -(-self.n_swimmers // (self.lanes * BLOCKS * n_threads))
         self._share = self.lanes * max(1, min(SHARE, most)) if backend.is_cpu else 1
         self._n_blocks = -(-self.n_swimmers // (self._share * group)) * group
-        self._stride = max(1, TASK // min(4, self._n_blocks)) if backend.is_cpu else 1
+        self._stride = TASK // max(1, min(4, self._n_blocks // (4 * BLOCKS * n_threads))) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
         if numbers.flight_ticks > self._longest_launch:
