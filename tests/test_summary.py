@@ -201,3 +201,20 @@ def test_an_error_above_ten_is_no_power_of_ten() -> None:
         "value": 147.3, "standard_error": 183.2, "n": 2, "n_censored": 18, "unit": "a/U"
     }  # fmt: skip
     assert summary_lines(found)[0] == "residence time: 150 ± 180 a/U (n = 2, 18 censored)"
+
+
+def test_a_slope_below_zero_of_swimmers_that_come_back_is_no_diffusivity() -> None:
+    rng = np.random.default_rng(3)
+    clock = np.linspace(0.0, 40.0, 41)
+    about = synthetic.info(n_swimmers=30, last_time=40.0)
+    angle = 2.0 * np.pi * clock / 39.0 + rng.uniform(0.0, 6.0, 30)[:, None]
+    circle = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1).swapaxes(0, 1)
+    position = circle * (1.0 + 0.1 * rng.random(30))[:, None] + 1e-3 * rng.normal(size=circle.shape)
+    columns = {field.name: np.zeros(1) for field in TIMESERIES_SCHEMA}
+    found = summarize(
+        synthetic.encounters(about, swimmer=np.zeros(0, np.int32)), synthetic.colloids(about, THREE),
+        make_table(TIMESERIES_SCHEMA, columns, info=about), synthetic.lags(about, clock, position, position),
+        persistence_time=10.0,
+    )  # fmt: skip
+    assert found["diffusivity"]["effective"]["value"] is None
+    assert "not yet diffusive" in found["warnings"][-1]

@@ -46,6 +46,7 @@ def summarize(
     """
     residence, passage = residence_times(encounters), escape_pitch_times(encounters)
     late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
+    shown = late.n_lags > 0 and (late.linear or late.value > 0.0)  # orbits come back: a slope below 0 is none
     reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
     found = [
         *_residence_warnings(residence, TableInfo.of(encounters).duration),
@@ -60,8 +61,8 @@ def summarize(
         "flights": _waiting(flights(encounters)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": (late.estimate() if late.n_lags else Estimate.none("a U")).as_dict(),
-            "window": list(late.window) if late.n_lags else None,
+            "effective": (late.estimate() if shown else Estimate.none("a U")).as_dict(),
+            "window": list(late.window) if shown else None,
             "reliable": reliable,
         },
         "fractions": {

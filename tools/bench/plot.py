@@ -49,11 +49,11 @@ def draw(found: dict[str, Any], path: Path) -> None:
     swimmers.set_title("fcc lattice, 864 colloids")
     colloids.set_title("fcc lattice, 2048 swimmers")
     taken = figures["threads"][0]["nanoseconds"]
-    for name, color in (("engine", "tab:blue"), ("C", "tab:gray")):
+    for name, color, label in (("engine", "tab:blue", "engine"), ("C", "tab:gray", "C, one colloid")):
         times = {int(key.split(", ")[1].split()[0]): ns for key, ns in taken.items() if key.startswith(name + ",")}
         counts = sorted(times)
-        threads.plot(counts, [times[counts[0]] / times[count] for count in counts], "o-", color=color, label=name)
-    threads.set(xlabel="threads", ylabel="gain", xticks=counts, ylim=(0, None), title="fcc lattice; one colloid in C")
+        threads.plot(counts, [times[counts[0]] / times[count] for count in counts], "o-", color=color, label=label)
+    threads.set(xlabel="threads", ylabel="gain", xticks=counts, ylim=(0, None), title="fcc lattice")
     threads.legend(frameon=False, loc="lower right")
     picture.savefig(path, dpi=120)
 
