@@ -7,12 +7,13 @@ from typing import Any
 
 import taichi as ti
 
-from porous_swim.engine.book import make_book, make_vectors, make_wide
+from porous_swim.engine.book import make_book
 from porous_swim.engine.encounters import make_encounters, make_orient
 from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
 from porous_swim.engine.move import make_step
 from porous_swim.engine.reflect import make_reflect
+from porous_swim.engine.rows import make_vectors, make_wide
 from porous_swim.engine.settle import make_settle
 from porous_swim.engine.state import N_SHARED_INTS, Event, Int, LaneInt, Law, Long, Total, real_rows
 from porous_swim.engine.swimmers import Rules, Swimmers

@@ -9,46 +9,15 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.engine.rows import make_wide
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.physics.bridge import NEAREST, crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
-from porous_swim.physics.vectors import pick, vec
+from porous_swim.physics.vectors import pick
 
 TWO_PI = 6.283185307179586
 MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
-
-
-@cache
-def make_vectors(dimensions: int):
-    """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of lane j."""
-
-    @ti.func
-    def get(f: ti.template(), row: ti.template(), j):
-        return vec(*[f[row + d][j] for d in ti.static(range(dimensions))])
-
-    @ti.func
-    def put(f: ti.template(), row: ti.template(), j, v):
-        for d in ti.static(range(dimensions)):
-            f[row + d][j] = v[d]
-
-    return get, put
-
-
-@cache
-def make_wide(dimensions: int):
-    """Return `whole(f, row)` and `put_whole(f, row, v)` for the vectors of all lanes at once."""
-
-    @ti.func
-    def whole(f: ti.template(), row: ti.template()):
-        return vec(*[f[row + d] for d in ti.static(range(dimensions))])
-
-    @ti.func
-    def put_whole(f: ti.template(), row: ti.template(), v):
-        for d in ti.static(range(dimensions)):
-            f[row + d] = v[d]
-
-    return whole, put_whole
 
 
 @ti.func

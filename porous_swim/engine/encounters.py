@@ -5,8 +5,8 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.book import make_vectors
 from porous_swim.engine.log import make_log
+from porous_swim.engine.rows import make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import make_between

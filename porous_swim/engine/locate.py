@@ -5,8 +5,9 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.book import make_book, make_vectors
+from porous_swim.engine.book import make_book
 from porous_swim.engine.move import FAR
+from porous_swim.engine.rows import make_vectors
 from porous_swim.engine.settle import BETWEEN
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.engine.swimmers import image_of, same

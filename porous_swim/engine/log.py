@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
-from porous_swim.engine.book import make_vectors
+from porous_swim.engine.rows import make_vectors
 from porous_swim.engine.state import Int, LaneInt, Long, Total, real_rows
 
 

@@ -5,7 +5,8 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.book import make_book, make_wide
+from porous_swim.engine.book import make_book
+from porous_swim.engine.rows import make_wide
 from porous_swim.engine.state import Event, Int, LaneInt, real_rows
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface

@@ -5,8 +5,8 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.book import make_wide
 from porous_swim.engine.move import make_end, now
+from porous_swim.engine.rows import make_wide
 from porous_swim.engine.state import Int, LaneInt, Phase, real_rows
 from porous_swim.physics.bridge import reflection
 from porous_swim.physics.rounding import rounded

@@ -5,7 +5,7 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.book import make_vectors
+from porous_swim.engine.rows import make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, Phase, Status, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import make_between, make_search

@@ -125,15 +125,6 @@ def bit_cast(value, kind):
     return make_matrix([ops.bit_cast(lane_of(value, j), kind) for j in range(value.n)])
 
 
-@for_kernels
-def each(function, value):
-    """A function of numbers, of each lane of a wide value."""
-    value = impl.expr_init(value)
-    if not value.is_tensor():
-        return function(value)
-    return make_matrix([function(lane_of(value, j)) for j in range(value.n)])
-
-
 def lane_of(value: Expr, j: int) -> Expr:
     """The number in lane j of a wide value."""
     return impl.subscript(impl.get_runtime().compiling_callable.ast_builder(), value, j)
