@@ -174,7 +174,8 @@ def make_advance(structure: Structure):
     @ti.kernel
     def advance(
         state: reals, state_int: ints, state_long: longs, law: reals, total: long_row,
-        center: longs, radius: real_row, first_cell: int_row, candidate: ints, grid: int_row, scale: reals,
+        center: longs, radius: real_row, first_cell: int_row, candidate: ints, least: real_row, grid: int_row,
+        scale: reals,
         log_real: reals, log_int: ints, log_long: longs,
         dt: real, escape_height: real, contact_band: real, tolerance: real, margin: real,
         first: ti.i64, first_low: ti.u32, first_high: ti.u32, key0: ti.u32, key1: ti.u32,
@@ -182,7 +183,7 @@ def make_advance(structure: Structure):
         n_steps: ti.i32, fresh: ti.i32, n_blocks: ti.i32, share: ti.i32, stride: ti.i32, chunk: ti.i32,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, state_long, law, total))
-        medium = ti.static(Medium(center, radius, first_cell, candidate, grid, scale))
+        medium = ti.static(Medium(center, radius, first_cell, candidate, least, grid, scale))
         log = ti.static(Log(log_real, log_int, log_long))
         rules = ti.static(
             Rules(

@@ -26,5 +26,7 @@ def load_medium(cells: CellIndex, real: np.dtype) -> Medium:
     grid = np.concatenate([cells.n_cells, cells.periodic, [len(cells.radius)]]).astype(np.int32)
     scale = np.stack([cells.edge / 2.0**FIXED_BITS, 2.0**FIXED_BITS / cells.edge]).astype(real)
     candidate = np.stack([cells.candidate, cells.shift], axis=1)
-    arrays = (cells.center, cells.radius.astype(real), cells.first, candidate, grid, scale)
+    arrays = (
+        cells.center, cells.radius.astype(real), cells.first, candidate, cells.least.astype(real), grid, scale,
+    )  # fmt: skip
     return Medium(*(on_device(array) for array in arrays))

@@ -88,7 +88,7 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
         origin: reals, origin_int: ints, sums: reals, level: ti.i32, size: ti.i32, band: real, renew: ti.i32,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, None, law, None))
-        medium = ti.static(Medium(center, radius, None, None, None, scale))
+        medium = ti.static(Medium(center, radius, None, None, None, None, scale))
         for g in range(sums.shape[0]):
             total = [real(0.0) for _ in ti.static(range(len(Sum)))]
             for i in range(g * size, ti.min((g + 1) * size, state.shape[1])):

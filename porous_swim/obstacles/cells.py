@@ -2,7 +2,8 @@
 
 Built once on the host. With q the middle of a cell, delta its half diagonal and d_j(q) the distance from q to the
 surface of colloid j, the cell lists every j with d_j(q) <= max(d_second(q), reach) + 2 delta: whoever is nearest or
-second nearest to a point of the cell, or nearer to it than `reach`, is in the list, whatever the radii.
+second nearest to a point of the cell, or nearer to it than `reach`, is in the list, whatever the radii. The list is in
+the order of d_j(q): nobody behind a j with d_j(q) - delta beyond the second nearest found so far can be nearer.
 
 Centres are kept in fixed point, 2^52 units to an edge of the box: differences of centres are then exact
 integers, periodic images are exact shifts, and no position loses digits in a large box.
@@ -23,6 +24,7 @@ FIXED_BITS = 52
 CELLS_PER_COLLOID = {2: 8, 3: 4}
 MAX_CELLS_PER_AXIS = 1024  # cell numbers are made from 52-bit positions in 64-bit integers
 MOST_IMAGES = 100  # in either direction: an image number has 8 bits
+ROUNDING = 1e-6  # of lengths, some times that of single precision
 ANCHOR_RADIUS = -1e6  # an empty field has one sphere at the origin that nobody can reach
 
 
@@ -39,6 +41,7 @@ class CellIndex:
     first: np.ndarray  # (n_cells + 1,) int32; where a cell's candidates begin
     candidate: np.ndarray  # (n_candidates,) int32; colloid
     shift: np.ndarray  # (n_candidates,) int32; periodic image, 8 bits an axis, each stored plus 128
+    least: np.ndarray  # (n_candidates,) float64, a; no point of the cell is nearer to the surface, rounding allowed for
 
     @property
     def longest(self) -> float:
@@ -59,13 +62,15 @@ def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
     half_diagonal = 0.5 * float(np.linalg.norm((edge / n_cells)[axes])) * (1.0 + 1e-6)
     repeat = np.where(periodic, edge, 0.0)
     wrapped = np.where(periodic, centers % np.where(periodic, edge, 1.0), centers)  # a periodic region starts at 0
-    first, candidate, shift = _candidates(middle, half_diagonal, reach, wrapped, radii, repeat)
+    first, candidate, shift, distance = _candidates(middle, half_diagonal, reach, wrapped, radii, repeat)
+    least = distance - half_diagonal
+    least -= ROUNDING * (np.abs(least) + np.abs(radii[candidate]) + half_diagonal)
     fixed = np.rint((centers - origin) / edge * 2.0**FIXED_BITS).astype(np.int64)
     fixed[:, periodic] %= 1 << FIXED_BITS
     fixed[:, ~axes] = 0
     return CellIndex(
         fixed, radii.astype(np.float64), origin, edge, periodic.astype(np.int32), n_cells.astype(np.int32),
-        first, candidate, shift,
+        first, candidate, shift, least,
     )  # fmt: skip
 
 
@@ -155,4 +160,4 @@ def _lists(middle, bound, ghost, owner, image, radii):
     cell, index = cell[order], index[order]
     first = np.searchsorted(cell, np.arange(len(middle) + 1)).astype(np.int32)
     packed = ((image[index] + 128) << np.array([0, 8, 16])).sum(axis=1)
-    return first, owner[index].astype(np.int32), packed.astype(np.int32)
+    return first, owner[index].astype(np.int32), packed.astype(np.int32), distance[order]

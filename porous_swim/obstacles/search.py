@@ -19,8 +19,12 @@ class Medium(NamedTuple):
     radius: Any  # (n_colloids,) real; 0 for a wall
     first: Any  # (n_cells + 1,) i32
     candidate: Any  # (n_candidates, 2) i32: colloid, packed image
+    least: Any  # (n_candidates,) real, a; no point of the cell is nearer to the surface of the candidate
     grid: Any  # (7,) i32: cells along each axis, whether it repeats, number of colloids
     scale: Any  # (2, 3) real: length of a unit of the fixed point, and its inverse
+
+
+TOUCHED = 1.5  # a, beyond all contact heights
 
 
 @cache
@@ -86,7 +90,8 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
         begin = ti.select(covered != 0, medium.first[cell], 0)
         end = ti.select(covered != 0, medium.first[cell + 1], medium.grid[6])
         found = empty()
-        for m in range(begin, end):
+        m = begin
+        while m < end:
             j, packed = m, 0x808080
             if covered != 0:
                 j, packed = medium.candidate[m, 0], medium.candidate[m, 1]
@@ -110,6 +115,10 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
                 depth = contact_height(to.sine(v, e, R), gamma, medium.radius[j]) - distance
                 if depth > found.depth:
                     found.deep, found.deep_image, found.depth = j, image + box + shift, depth
+            m += 1
+            # nobody further down the list of a cell is second nearest, nor touched: contact heights are at most 1
+            rest = medium.least[ti.min(m, end - 1)] > ti.max(found.second, real(TOUCHED))
+            m = ti.select((covered != 0) & rest, end, m)
         if ti.static(sphere):  # whose contact height is the same everywhere: the deepest is the nearest
             found.deep, found.deep_image, found.depth = found.near, found.image, real(1.0) - found.first
         return found
