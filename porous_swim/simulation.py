@@ -19,6 +19,7 @@ from porous_swim.engine.engine import Engine
 from porous_swim.engine.lags import Lags, n_levels
 from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
+from porous_swim.engine.survey import Groups
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
 from porous_swim.observation import Observers
@@ -92,25 +93,17 @@ class Simulation:
     def frame(self, n: int | None = None) -> Frame:
         """The first `n` swimmers as they are now, by default all, and what ended since the last frame."""
         now, (news, under_way) = self.engine.snapshot(n), self.engine.news()
-        self.lags.note(self.step)
+        everyone = _ensemble(self.lags.note(self.step))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,
-            image=now.image, state=state, ensemble=self._ensemble(), has_colloids=len(self.field.radii) > 0,
+            image=now.image, state=state, ensemble=everyone, has_colloids=len(self.field.radii) > 0,
             counts=Counts(*self.engine.counts()),
             residence=news.residence, winding=news.winding, hop_time=news.hop_time, hops=news.hops,
             under_way=under_way * self.scene.run.time_step,
         )  # fmt: skip
-
-    def _ensemble(self) -> Ensemble:
-        """All swimmers together, from sums over groups of them."""
-        groups, n = self._survey.look(0), self.engine.n_swimmers
-        msd = float(groups.n @ groups.square) / n
-        squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
-        error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
-        return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
         """What holds for all tables of this run, as of now."""
@@ -120,6 +113,15 @@ class Simulation:
             first_time=0.0, last_time=self.time, time_step=self.scene.run.time_step, provenance=provenance,
             units=None if units is None else {"length_um": units.length, "time_s": units.time},
         )  # fmt: skip
+
+
+def _ensemble(groups: Groups) -> Ensemble:
+    """All swimmers together, from sums over groups of them."""
+    n = int(groups.n.sum())
+    msd = float(groups.n @ groups.square) / n
+    squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
+    error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
+    return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
 
 
 def laws_of(scene: Scene) -> Laws:
