@@ -19,6 +19,7 @@ from porous_swim.engine.engine import Engine
 from porous_swim.engine.lags import Lags, n_levels
 from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
+from porous_swim.engine.records import News
 from porous_swim.engine.survey import Groups
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
@@ -90,9 +91,10 @@ class Simulation:
         """Move all swimmers by `n_steps`, whole flights of them. RunError where a swimmer cannot go on."""
         self.engine.advance(n_steps)
 
-    def frame(self, n: int | None = None) -> Frame:
-        """The first `n` swimmers as they are now, by default all, and what ended since the last frame."""
-        now, (news, under_way) = self.engine.snapshot(n), self.engine.news()
+    def frame(self, n: int | None = None, *, news: bool = True) -> Frame:
+        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`."""
+        now = self.engine.snapshot(n)
+        new, under_way = self.engine.news() if news else (News.joined([]), np.zeros(0))
         everyone = _ensemble(self.lags.note(self.step))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
@@ -101,8 +103,8 @@ class Simulation:
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,
             image=now.image, state=state, ensemble=everyone, has_colloids=len(self.field.radii) > 0,
             counts=Counts(*self.engine.counts()),
-            residence=news.residence, winding=news.winding, hop_time=news.hop_time, hops=news.hops,
-            under_way=under_way * self.scene.run.time_step,
+            residence=new.residence, winding=new.winding, hop_time=new.hop_time, hops=new.hops,
+            under_way=under_way * self.scene.run.time_step, has_news=news,
         )  # fmt: skip
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
