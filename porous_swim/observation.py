@@ -139,7 +139,7 @@ class Observers:
 
 def _write(results: Results, folder: RunFolder) -> Results:
     try:
-        return folder.write(results)
+        return folder.write(results, there=("trajectory",))  # which wrote itself
     except OSError as error:
         raise RunError(f"{folder.path}: the tables cannot be written: {error.strerror or error}") from None
 
