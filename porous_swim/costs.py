@@ -21,11 +21,7 @@ NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
 }
 COMPILING = 10.0  # of a kernel that is not in the cache
 _STARTING = 2.5  # Python, placing, a kernel from the cache, tables and summary of few encounters
-_FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = (
-    2.2e-3,
-    0.04e-6,
-    1.6e-6,
-)  # a look; each swimmer; each recorded
+_FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = 2.2e-3, 0.04e-6, 1.6e-6  # a look; each swimmer; each recorded
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class Seconds:
 
 
 def expected_seconds(scene: Scene, field: ObstacleField) -> Seconds:
-    """The time of a run on the threads of its scene. A thread has a block of lanes at a time, full or not."""
+    """The time of a run on the threads of its scene, as if nobody flew. A thread has a block of lanes at a time."""
     n, shape = scene.swimmers.count, shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
     lanes = 1 if scene.integrator == "located" else LANES[scene.precision]
     n_blocks = math.ceil(n / lanes)

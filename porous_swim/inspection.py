@@ -84,7 +84,7 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
 def _bytes_per_swimmer(scene: Scene) -> int:
     """Of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
-    origins = n_levels(scene.n_steps // scene.record_period) * (2 * d * real + 4 * 4)
+    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
     return real_rows(d).n_memory * real + N_INTS * 4 + len(Long) * 8 + origins
 
 

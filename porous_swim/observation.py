@@ -61,7 +61,8 @@ class Observers:
         """Show the present frame to everyone, unless they have seen it."""
         if self._last[0] == self._simulation.step:
             return
-        frame = self._simulation.frame(self._simulation.scene.n_recorded)
+        news = self._recording is not None and self._recording.wants_news
+        frame = self._simulation.frame(self._simulation.scene.n_recorded, news=news)
         self._last = frame.step, frame.time
         for observer in self._all:
             observer.observe(frame)
@@ -75,6 +76,8 @@ class Observers:
         """Tables, summary and recording of a run that came to its end or was interrupted."""
         simulation = self._simulation
         interrupted = simulation.step < simulation.scene.n_steps
+        if self._recording is not None and self._recording.is_behind:
+            self._recording.catch_up(simulation.frame(simulation.scene.n_recorded))
         return self._results(
             "interrupted" if interrupted else "finished", simulation.engine.encounters(),
             time=simulation.time, rate=rate, warnings=self._warnings,
@@ -136,7 +139,7 @@ class Observers:
 
 def _write(results: Results, folder: RunFolder) -> Results:
     try:
-        return folder.write(results)
+        return folder.write(results, there=("trajectory",))  # which wrote itself
     except OSError as error:
         raise RunError(f"{folder.path}: the tables cannot be written: {error.strerror or error}") from None
 

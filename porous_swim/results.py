@@ -10,7 +10,7 @@ import itertools
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -146,7 +146,9 @@ def write_table(table: pa.Table, path: Path | str) -> None:
     """Write `table` as Parquet; `path` appears only when it is complete."""
     path = Path(path)
     part = path.with_name(path.name + _PART)
-    pq.write_table(table, part, compression="zstd")
+    # numbers that are hardly ever equal make a dictionary as large as themselves
+    repeated = [field.name for field in table.schema if not pa.types.is_floating(field.type)]
+    pq.write_table(table, part, compression="zstd", use_dictionary=repeated)
     os.replace(part, path)
 
 
@@ -242,9 +244,9 @@ class RunFolder:
             raise ResultsError(f"{path}: cannot be used as a run folder ({error.strerror})") from error
         return cls(path)
 
-    def write(self, results: Results) -> Results:
-        """Write tables and summary, the summary last; return `results` with this folder in it."""
-        for name in SCHEMAS:
+    def write(self, results: Results, *, there: Collection[str] = ()) -> Results:
+        """Write tables, but those that are `there`, and summary, this last; return `results` with this folder in it."""
+        for name in (name for name in SCHEMAS if name not in there):
             write_table(getattr(results, name), self.path / f"{name}.parquet")
         part = self.path / (SUMMARY + _PART)
         part.write_text(json.dumps(results.summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -15,10 +15,12 @@ import numpy as np
 from porous_swim.costs import COMPILING
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
-from porous_swim.engine.engine import Engine
+from porous_swim.engine.engine import Engine, check_flights
 from porous_swim.engine.lags import Lags, n_levels
 from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
+from porous_swim.engine.records import News
+from porous_swim.engine.survey import Groups
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
 from porous_swim.observation import Observers
@@ -46,6 +48,7 @@ class Start:
     def of(cls, scene: Scene) -> Start:
         """Start the device and place colloids and swimmers. SceneError, DeviceError as the scene deserves."""
         started = backend.ensure(scene.run.device, scene.run.threads)
+        check_flights(started, scene.flight_ticks)
         field = scene.place_obstacles()
         gamma = scene.swimmers.aspect_ratio
         return cls(started, field, scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma)))
@@ -89,28 +92,21 @@ class Simulation:
         """Move all swimmers by `n_steps`, whole flights of them. RunError where a swimmer cannot go on."""
         self.engine.advance(n_steps)
 
-    def frame(self, n: int | None = None) -> Frame:
-        """The first `n` swimmers as they are now, by default all, and what ended since the last frame."""
-        now, (news, under_way) = self.engine.snapshot(n), self.engine.news()
-        self.lags.note(self.step)
+    def frame(self, n: int | None = None, *, news: bool = True) -> Frame:
+        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`."""
+        now = self.engine.snapshot(n)
+        new, under_way = self.engine.news() if news else (News.joined([]), np.zeros(0))
+        everyone = _ensemble(self.lags.note(self.step))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
         return Frame(
             step=self.step, time=self.time, position=now.position, director=now.director, colloid=now.colloid,
-            image=now.image, state=state, ensemble=self._ensemble(), has_colloids=len(self.field.radii) > 0,
+            image=now.image, state=state, ensemble=everyone, has_colloids=len(self.field.radii) > 0,
             counts=Counts(*self.engine.counts()),
-            residence=news.residence, winding=news.winding, hop_time=news.hop_time, hops=news.hops,
-            under_way=under_way * self.scene.run.time_step,
+            residence=new.residence, winding=new.winding, hop_time=new.hop_time, hops=new.hops,
+            under_way=under_way * self.scene.run.time_step, has_news=news,
         )  # fmt: skip
-
-    def _ensemble(self) -> Ensemble:
-        """All swimmers together, from sums over groups of them."""
-        groups, n = self._survey.look(0), self.engine.n_swimmers
-        msd = float(groups.n @ groups.square) / n
-        squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
-        error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
-        return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
         """What holds for all tables of this run, as of now."""
@@ -120,6 +116,15 @@ class Simulation:
             first_time=0.0, last_time=self.time, time_step=self.scene.run.time_step, provenance=provenance,
             units=None if units is None else {"length_um": units.length, "time_s": units.time},
         )  # fmt: skip
+
+
+def _ensemble(groups: Groups) -> Ensemble:
+    """All swimmers together, from sums over groups of them."""
+    n = int(groups.n.sum())
+    msd = float(groups.n @ groups.square) / n
+    squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
+    error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
+    return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
 
 
 def laws_of(scene: Scene) -> Laws:

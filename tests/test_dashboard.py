@@ -15,9 +15,11 @@ from rerun.chunk import RrdReader
 from test_recording import PERIOD, column, recording
 
 import porous_swim as ps
+from porous_swim.observation import Observers
 from porous_swim.observers import network
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.results import RunFolder
 
 # a box so small that swimmers hop across its border; weaker dipoles than a crystal's leave sooner
 CHANGES = {"run.duration": 40.0, "swimmers.dipole_strength": 2.0}
@@ -172,6 +174,20 @@ def test_frames_tell_every_hop_once_and_as_soon_as_it_is_counted(noise, tmp_path
         assert np.all((frame.under_way >= 0.0) & (frame.under_way <= frame.time))
         assert np.all(np.any(frame.hops[:, 0] != frame.hops[:, 1], axis=1))
     assert n_hops > 10
+
+
+@pytest.mark.parametrize("n_frames", [100, 101])  # of 200; every fourth is drawn, and has news
+def test_the_last_pictures_of_an_interrupted_run_tell_all_that_ended(n_frames, tmp_path: Path):
+    simulation, folder = ps.Simulation(small(tmp_path, **{"record.every": 0.2})), RunFolder.at(tmp_path / "run")
+    observers = Observers(simulation, folder, progress=False, recording=True)
+    observers.observe()
+    for _ in range(n_frames):
+        simulation.advance(simulation.scene.record_period)
+        observers.observe()
+    observers.results(rate=None)
+    ended = ~table(folder.path, "encounters")["end_censored"]
+    assert np.sum(last_bars(folder.path, "residence")[0]) == np.sum(ended) > 10
+    assert np.sum(last_bars(folder.path, "hop_time")[0]) == len(moves(folder.path)) > 10
 
 
 PAGES = ["Medium and swimmers", "One swimmer", "Hop network", "Distributions", "Summary"]

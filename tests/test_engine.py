@@ -254,3 +254,17 @@ def test_a_device_that_makes_no_progress_is_named_and_not_waited_for():
     engine._advance = lambda *arguments: None  # as a software driver does that stops long loops
     with pytest.raises(DeviceError, match="cpu makes no progress"):
         engine.advance(1)
+
+
+@pytest.mark.parametrize("integrator", ["euler", "reflected"])
+def test_a_lane_that_takes_one_swimmer_after_the_other_gives_the_bits_of_one_lane(integrator):
+    field, law = FIELDS["fcc"]
+    prints = set()
+    for options in ({}, {"lanes": 1}, {"log_rows": 16}):
+        engine = make_engine(
+            field, *released(field, 1037), **law, threads=1, integrator=integrator, escape_sine=0.3, **options
+        )  # fmt: skip
+        assert engine._share > engine.lanes  # there is a next one
+        engine.advance(N_STEPS)
+        prints.add(fingerprint(engine))
+    assert len(prints) == 1

@@ -9,6 +9,7 @@ import pytest
 from commands import SMALL
 
 import porous_swim as ps
+from porous_swim.analysis.ensemble import _windows
 from porous_swim.analysis.transport import tracks
 from porous_swim.results import TableInfo
 from tests import synthetic
@@ -117,3 +118,49 @@ def test_a_frame_that_is_left_out_spoils_no_lag(tmp_path):
     assert len(np.unique(found["lag"])) > 3
     # straight swimmers: each window's displacement is its length, in a, of frames of 0.5
     np.testing.assert_allclose(found["msd"], (0.5 * found["lag"]) ** 2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("n_frames", [8, 16, 17, 20, 32, 64, 100, 192])
+def test_windows_of_the_fit_start_later_and_later(n_frames):
+    clock = np.arange(n_frames + 1.0)
+    position = np.cumsum(np.random.default_rng(1).normal(size=(n_frames + 1, 40, 3)), axis=0)
+    about = synthetic.info(n_swimmers=40, last_time=float(n_frames))
+    squares = an.ensemble_msd(synthetic.lags(about, clock, position, position))
+    starts = [window.lag[0] for window in _windows(squares, None)]
+    assert np.all(np.diff(starts) > 0.0)
+
+
+def test_intervals_of_the_diffusivity_of_correlated_walks_cover_the_truth():
+    rng, n, n_frames, p = np.random.default_rng(5), 100, 64, 0.2
+    about, clock = synthetic.info(n_swimmers=n, last_time=64.0, dimensions=2), np.arange(n_frames + 1.0)
+    truth = 0.25 * (1.0 + p) / (1.0 - p) + 0.045  # unit steps of which a share p goes on, and noise of variance 0.09
+    covered = fitted = 0
+    for _ in range(300):
+        angle = rng.uniform(0.0, 2.0 * np.pi, (n_frames + 1, n))
+        for i in range(1, n_frames + 1):
+            angle[i] = np.where(rng.random(n) < p, angle[i - 1], angle[i])
+        step = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
+        noise = 0.3 * rng.normal(size=step.shape) * [1.0, 1.0, 0.0]
+        position = np.cumsum(step + noise, axis=0)
+        fit = an.ensemble_diffusivity(synthetic.lags(about, clock, position, step))
+        if fit.linear:
+            fitted += 1
+            covered += fit.interval[0] <= truth <= fit.interval[1]
+    assert fitted > 150
+    # 95 %, less 3 % as the window is chosen from the same data, within 4 binomial errors
+    assert covered / fitted > 0.92 - 4.0 * np.sqrt(0.95 * 0.05 / fitted)
+
+
+def test_displacements_far_from_where_offsets_are_measured_keep_their_digits(tmp_path):
+    changes = {
+        "run.duration": 2.0, "run.time_step": 0.02,
+        "record.every": 0.02, "swimmers.count": 2000, "run.precision": "f32",
+    }  # fmt: skip
+    text = FREE.replace("periodic, size: [50, 50, 50]", "open")
+    text = text.replace("{kind: uniform}", "{kind: point, position: [1.0e5, 1.0e5, 1.0e5]}")
+    squares = an.ensemble_msd(
+        ps.run(scene_of(tmp_path, text, **changes)).lags
+    )
+    t, decay = squares.lag, 0.6
+    expected = 6.0 * 0.05 * t + 2.0 / decay**2 * (decay * t - 1.0 + np.exp(-decay * t))
+    assert np.all(np.abs(squares.value - expected) < 4.0 * squares.standard_error + 1e-3 * expected)

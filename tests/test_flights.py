@@ -9,6 +9,7 @@ import pytest
 
 import porous_swim as ps
 from porous_swim.engine.engine import LONGEST_LAUNCH
+from porous_swim.engine.laws import Laws, Numbers, flight_height
 from porous_swim.errors import DeviceError
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.engines import fcc, field_of, fingerprint, make_engine, released
@@ -134,5 +135,59 @@ def test_flights_that_cannot_be_are_refused_in_one_sentence(tmp_path):
 
 def test_a_device_that_takes_no_flights_says_so(monkeypatch):
     monkeypatch.setitem(LONGEST_LAUNCH, "cpu", 4)
-    with pytest.raises(DeviceError, match=r"run.flight_step: cpu takes no flights"):
+    with pytest.raises(DeviceError, match=r"run.flight_step: on cpu a flight has at most 4 steps, found 25"):
         flying(3)
+
+
+@pytest.mark.parametrize("hydrodynamics", ["image_dipole", "near_wall"])
+@pytest.mark.parametrize(("alpha", "T"), [(0.8, 0.5), (4.0, 0.5), (4.0, 2.0), (-10.0, 2.0)])
+def test_from_the_height_of_flights_on_the_flow_hardly_changes_and_contact_is_far(alpha, T, hydrodynamics):
+    laws = Laws(*(np.array([value]) for value in (alpha, 1.0, 0.01, 0.0075, 2.0)))
+    height = flight_height(laws, Numbers(0.01, 1.5, 0.05, 1, round(T / 0.01)))
+    kicks = 5.4 * np.sqrt(3.0 * 2.0 * 0.01 * T)
+    pitch = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 41)
+    director = np.stack([np.cos(pitch), np.sin(pitch), 0.0 * pitch], axis=1)
+    for radius in (3.0, 1e4, np.inf):
+        base = 0.0 if np.isinf(radius) else radius
+
+        def flow(h, radius=radius, base=base):
+            place = np.tile([0.0, base + h, 0.0], (len(pitch), 1))
+            given = {"radius": radius, "dipole_strength": alpha, "hydrodynamics": hydrodynamics}
+            return ps.drift(place, director, **given)[0] - director
+
+        fastest = np.linalg.norm(flow(2.0), axis=1).max()
+        assert height - T * (1.0 + fastest) - kicks > 1.0  # whatever its way, it touches nothing
+        lowest = height - kicks - T * (1.0 + np.linalg.norm(flow(height - kicks), axis=1).max())
+        change = np.linalg.norm(flow(lowest) - flow(lowest + T), axis=1)
+        assert change.max() < 0.033  # 0.03, and what the flow adds to the way
+
+
+def test_swimmers_that_await_their_escape_pitch_do_not_fly():
+    engines = [
+        flying(400, field=fcc(spacing=30.0, cells=1), alpha=0.8, D=0.02, escape_sine=0.9, flight_ticks=ticks)
+        for ticks in (1, TICKS)
+    ]
+    late = []
+    for engine in engines:
+        engine.advance(200 * TICKS)
+        rows = engine.encounters()
+        passed = rows["escape_pitch_time"]
+        late.append((passed - rows["end_time"])[(passed > rows["end_time"]) & ~rows["end_censored"]])
+    assert min(len(times) for times in late) > 100
+    for times in late:  # middles of single steps, not of flights
+        assert np.all(np.abs(times / STEP - np.round(times / STEP)) < 1e-3)
+    error = np.hypot(*(times.std() / np.sqrt(len(times)) for times in late))
+    assert abs(late[0].mean() - late[1].mean()) < 4.0 * error
+
+
+def test_a_flight_too_long_for_the_device_costs_no_old_run(tmp_path):
+    small = {"swimmers.count": 20, "run.duration": 4.0, "record.every": 2.0}
+    out = tmp_path / "run"
+    ps.run(scene_of(tmp_path, **small), out=out)
+    before = {path.name for path in out.iterdir()}
+    with pytest.raises(DeviceError, match="a flight has at most"):
+        ps.run(
+            scene_of(tmp_path, **small).replace({"run.time_step": 1e-7, "run.flight_step": 0.5}), out=out,
+            overwrite=True,
+        )  # fmt: skip
+    assert {path.name for path in out.iterdir()} == before

@@ -87,9 +87,9 @@ def test_sums_over_all_swimmers_are_those_of_the_cpu():
     for device in ("cpu", "vulkan"):
         engine = make_engine(field, position, director, device=device, alpha=4.0, D=0.006, time_step=0.02)
         survey = engine.survey(n_levels=2)
-        survey.look(1, renew=True)
+        survey.look([1], renew=[1])
         engine.advance(4)
-        found[device] = [survey.look(level) for level in (0, 1)]
+        found[device] = survey.look([0, 1])
     for one, other in zip(found["cpu"], found["vulkan"], strict=True):
         for name in ("n", "bound", "contact"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

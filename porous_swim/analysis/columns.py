@@ -32,8 +32,3 @@ def numbered(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def time_order(encounters: pa.Table) -> np.ndarray:
     """Rows, (n_rows,), swimmer by swimmer, each in order of time (the order of equal times is kept)."""
     return np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))
-
-
-def in_order(encounters: pa.Table) -> pa.Table:
-    """The encounters in `time_order`."""
-    return encounters.take(pa.array(time_order(encounters)))

@@ -98,7 +98,7 @@ def none_for(n: int) -> str:
     """Why there is none for `n` swimmers: a sentence for reports and summaries."""
     return (
         f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} swimmers whose ways differ, of {n} here, "
-        f"and {2 * 2 ** (FEWEST_LAGS - 1)} frames (record.every)."
+        f"and {2 * FEWEST_LAGS} frames after the first (record.every)."
     )
 
 

@@ -6,6 +6,7 @@ samples, as swimmers are; a last group of fewer swimmers is left out. Lengths in
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -46,7 +47,7 @@ def ensemble_diffusivity(
 ) -> EffectiveDiffusivity:
     """As `effective_diffusivity`, of all swimmers; the lags are those of the table.
 
-    `n` counts the swimmers. NaN where there are fewer than 20 groups, or 4 lags.
+    `n` counts the swimmers of whole groups. NaN where there are fewer than 20 groups, or 4 lags.
     """
     squares, info = ensemble_msd(lags), TableInfo.of(lags)
     found = first_linear(
@@ -60,7 +61,8 @@ def _windows(squares: TimeAverages, window: tuple[float, float] | None) -> Itera
     if len(squares.lag) == 0:
         return
     first, last = squares.lag[0], squares.lag[-1]
-    starts = [last / 2.0**k for k in range(int(np.log2(last / first)) + 1, 0, -1)]
+    # the rounding of a whole number of doublings must not give the first window twice
+    starts = [last / 2.0**k for k in range(math.ceil(math.log2(last / first) - 1e-9), 0, -1)]
     for begin, end in [window] if window is not None else [(start, last) for start in starts]:
         inside = np.flatnonzero((squares.lag >= begin * (1.0 - 1e-9)) & (squares.lag <= end * (1.0 + 1e-9)))
         n_lags = min(MOST_LAGS, squares.n // SWIMMERS_PER_LAG, len(inside))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, in_order, vectors
+from porous_swim.analysis.columns import column, time_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.places import SAME_DISTANCE, centers_of, neighbour_distances
@@ -50,25 +50,24 @@ class Moves:
 
 def moves(encounters: pa.Table) -> Moves:
     """All moves, hops and returns alike, swimmer by swimmer in order of time."""
-    ordered = in_order(encounters)
-    swimmer = column(ordered, "swimmer")
-    colloid, image = column(ordered, "colloid"), vectors(ordered, "image_x", "image_y", "image_z")
-    last = np.flatnonzero(swimmer[1:] == swimmer[:-1])
-    following = last + 1
+    order, swimmer = time_order(encounters), column(encounters, "swimmer")
+    last = np.flatnonzero(swimmer[order[1:]] == swimmer[order[:-1]])
+    left, entered = order[last], order[last + 1]  # rows of the table
+    colloid, image = column(encounters, "colloid"), vectors(encounters, "image_x", "image_y", "image_z")
     entry, exit_ = (
-        vectors(ordered, "entry_x", "entry_y", "entry_z"),
-        vectors(ordered, "exit_x", "exit_y", "exit_z"),
+        vectors(encounters, "entry_x", "entry_y", "entry_z"),
+        vectors(encounters, "exit_x", "exit_y", "exit_z"),
     )
     return Moves(
-        swimmer=swimmer[last],
-        from_colloid=colloid[last],
-        from_image=image[last],
-        to_colloid=colloid[following],
-        to_image=image[following],
-        end_time=column(ordered, "end_time")[last],
-        start_time=column(ordered, "start_time")[following],
-        displacement=entry[following] - exit_[last],
-        residence=np.where(column(ordered, "start_censored"), np.nan, residence_lengths(ordered))[last],
+        swimmer=swimmer[left],
+        from_colloid=colloid[left],
+        from_image=image[left],
+        to_colloid=colloid[entered],
+        to_image=image[entered],
+        end_time=column(encounters, "end_time")[left],
+        start_time=column(encounters, "start_time")[entered],
+        displacement=entry[entered] - exit_[left],
+        residence=np.where(column(encounters, "start_censored"), np.nan, residence_lengths(encounters))[left],
     )
 
 
@@ -95,14 +94,14 @@ def flight_lifetimes(encounters: pa.Table) -> Lifetimes:
     A flight under way at the end of the run is censored; the time from the release to the first encounter
     is no flight. The table needs its `TableInfo`.
     """
-    ordered = in_order(encounters)
-    swimmer, end = column(ordered, "swimmer"), column(ordered, "end_time")
+    order = time_order(encounters)
+    swimmer, start, end = (column(encounters, name)[order] for name in ("swimmer", "start_time", "end_time"))
     last_time = TableInfo.of(encounters).last_time
     until = np.full(len(end), last_time)
     followed = np.append(swimmer[1:] == swimmer[:-1], False)[: len(end)]
-    until[followed] = column(ordered, "start_time")[1:][followed[:-1]]
+    until[followed] = start[1:][followed[:-1]]
     every = Lifetimes(until - end, followed, np.ones(len(end), bool), last_time - end, swimmer)
-    return every.select(~column(ordered, "end_censored"))
+    return every.select(~column(encounters, "end_censored")[order])
 
 
 def flights(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:

@@ -84,7 +84,7 @@ def make_lanes(real, dimensions: int, flights: bool):
             n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
 
     @ti.func
-    def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first, n_steps):
+    def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first):
         """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
         i = n[LaneInt.SWIMMER][j]
         if i >= 0:
@@ -186,25 +186,11 @@ def make_advance(structure: Structure):
         medium = ti.static(Medium(center, radius, first_cell, candidate, least, grid, scale))
         log = ti.static(Log(log_real, log_int, log_long))
         rules = ti.static(
-            Rules(
-                dt,
-                escape_height,
-                contact_band,
-                tolerance,
-                margin,
-                first,
-                first_low,
-                first_high,
-                key0,
-                key1,
-                flight_ticks,
-                flight_height,
-                tableau,
-            )
-        )
-        for t in range(
-            n_blocks * stride
-        ):  # Taichi's CPU tasks are at least 512 iterations: a block is `stride` of them
+            Rules(dt, escape_height, contact_band, tolerance, margin, first, first_low, first_high, key0, key1,
+                  flight_ticks, flight_height, tableau)
+        )  # fmt: skip
+        # Taichi's CPU tasks are at least 512 iterations: a block is `stride` of them
+        for t in range(n_blocks * stride):
             if t % stride == 0:
                 i, end = t // stride * share, ti.min((t // stride + 1) * share, state_int.shape[1])
                 f = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
@@ -218,7 +204,7 @@ def make_advance(structure: Structure):
                         if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
                             moving = 1
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
-                            store(f, n, j, swimmers, first, n_steps)
+                            store(f, n, j, swimmers, first)
                             if i < end:
                                 load(f, n, j, i, swimmers, rules, fresh)
                                 i += 1

@@ -45,6 +45,15 @@ COMPLAINTS = {
 }
 
 
+def check_flights(backend: Backend, ticks: int) -> None:
+    """Raise a DeviceError where flights of so many steps are longer than a launch may be."""
+    longest = LONGEST_LAUNCH[backend.device]
+    if ticks > longest:
+        raise DeviceError(
+            f"run.flight_step: on {backend.device} a flight has at most {longest:,} steps, found {ticks:,}"
+        )
+
+
 class Engine:
     """Advances swimmers through a field; the state lives on the device, steps are counted here."""
 
@@ -70,8 +79,7 @@ class Engine:
         self._stride = TASK // max(1, min(4, self._n_blocks // (4 * BLOCKS * n_threads))) if backend.is_cpu else 1
         flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
-        if numbers.flight_ticks > self._longest_launch:
-            raise DeviceError(f"run.flight_step: {self._device} takes no flights: use cpu, or leave it out")
+        check_flights(backend, numbers.flight_ticks)
         self._flight_height = flight_height(laws, numbers)
         self._compile(flow, variates, precision, integrator, shape)
         cells = build_cells(field, reach=numbers.escape_height)
@@ -165,7 +173,7 @@ class Engine:
         self._swimmers = Swimmers(*(on_device(array) for array in arrays))
 
     def _launch(self, n_steps: int) -> None:
-        """Run the kernel until every lane has made its steps, draining the log whenever it is full."""
+        """Run the kernel until every swimmer has made its steps, draining the log whenever it is full."""
         seed, first, numbers = self._numbers.seed, self.step, self._numbers
         rules = Rules(
             numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,

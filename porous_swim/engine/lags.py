@@ -40,7 +40,7 @@ class Lags:
     """The sums of a run. `note` every frame that there is, at multiples of `period` steps."""
 
     def __init__(self, survey: Survey, *, period: int, n_frames: int) -> None:
-        """Level k + 1 of `survey` keeps the origin of the k-th of `periods(n_frames)`; level 0 is not used."""
+        """Level k + 1 of `survey` keeps the origin of the k-th of `periods(n_frames)`, level 0 the start."""
         self._survey, self._period, self._periods = survey, period, periods(n_frames)
         self._ages = [[age for age in ages(p) if age <= max(1.0, LONGEST * n_frames)] for p in self._periods]
         self._born = [0] * len(self._periods)  # frame of the present origin
@@ -48,20 +48,23 @@ class Lags:
         self._sums: dict[int, np.ndarray] = {}  # by lag in frames: rows of squares, their squares, overlaps
         self._n_windows: dict[int, int] = {}
 
-    def note(self, step: int) -> None:
-        """Take in the present, at `step`; what is no new frame is passed over."""
+    def note(self, step: int) -> Groups:
+        """All swimmers now, at `step`, since the start; their lags are taken in, too, unless this is no new frame."""
         frame = step // self._period
         if step % self._period or frame <= self._last:
-            return
+            return self._survey.look([0])[0]
         self._last = frame
-        for level, period in enumerate(self._periods):
-            lag, ends = frame - self._born[level], frame % period == 0
-            if ends or lag in self._ages[level]:
-                groups = self._survey.look(level + 1, renew=ends)
-                if lag in self._ages[level]:
-                    self._add(lag, groups)
-            if ends:
-                self._born[level] = frame
+        lags = [frame - born for born in self._born]
+        ends = [level for level, period in enumerate(self._periods) if frame % period == 0]
+        wanted = [level for level, lag in enumerate(lags) if lag in self._ages[level]]
+        due = sorted({*wanted, *ends})
+        start, *groups = self._survey.look([0, *(level + 1 for level in due)], renew=[level + 1 for level in ends])
+        for level, found in zip(due, groups, strict=True):
+            if level in wanted:
+                self._add(lags[level], found)
+        for level in ends:
+            self._born[level] = frame
+        return start
 
     def columns(self) -> dict[str, np.ndarray]:
         """Columns of the table of lags: a row for each lag and group, shortest lag first; the lag counted in frames."""

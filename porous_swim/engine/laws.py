@@ -42,10 +42,10 @@ class Numbers:
 def flight_height(laws: Laws, numbers: Numbers) -> float:
     """The height from which on a swimmer may fly, a: no flight then touches a colloid or feels its flow change.
 
-    Kicks reach 5.4 standard deviations along each axis, and from a height of 2 on the reflected flow is slower than
-    3 alpha/(4 h^2). Over a flight the swimmer meets a change of that flow of at most 0.03.
+    It stays above 2: kicks reach 5.4 standard deviations along each axis, and the reflected flow is no faster than
+    3 alpha/(4 h^2). In a flight the flow that the swimmer meets changes by at most 0.03.
     """
     T = numbers.flight_ticks * numbers.time_step
     alpha, D = float(np.abs(laws.dipole_strength).max()), float(laws.translational_diffusion.max())
-    reach = T * (1.0 + 0.75 * alpha / 4.0) + 5.4 * math.sqrt(3.0 * 2.0 * D * T)
-    return max(2.0 + reach, (25.0 * alpha * T) ** (1.0 / 3.0))
+    lowest = max(2.0, (50.0 * alpha * T) ** (1.0 / 3.0))  # there T dU/dh = 3 alpha T/(2 h^3) is 0.03
+    return lowest + T * (1.0 + 0.75 * alpha / lowest**2) + 5.4 * math.sqrt(3.0 * 2.0 * D * T)

@@ -90,7 +90,7 @@ class Total(IntEnum):
     HOPS = 2
     RETURNS = 3
     LOGGED = 4  # rows asked of the log since it was drained
-    FINISHED = 5  # lanes that reached the last step of this launch
+    FINISHED = 5  # swimmers that reached the last step of this launch
     HALTED = 6
 
 

@@ -5,6 +5,7 @@ differences from the first swimmer of a group, so that single precision does for
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
@@ -20,7 +21,7 @@ from porous_swim.obstacles.search import Medium, make_between
 from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import vec
 
-MOST_GROUPS = 256  # swimmers are cut into no fewer where there are as many, and into groups no larger than LARGEST
+FEWEST_GROUPS = 256  # where there are as many swimmers; groups are no larger than LARGEST
 LARGEST = 256
 
 
@@ -57,7 +58,10 @@ class Groups:
 
 @cache
 def make_survey(real, dimensions: int, contact_height, surface: Surface):
-    """Compile `survey(...)`, which sums over groups; `renew` makes the present the origin of what comes later."""
+    """Compile `survey(...)`, which sums over groups, level by level; `renew` makes the present the origin of a level.
+
+    Levels are bits of `due` and `renew`; sums have a row for each level and group.
+    """
     rows = real_rows(dimensions)
     between = make_between(real, dimensions)
     to = make_surface(real, surface)
@@ -85,42 +89,48 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
     @ti.kernel
     def survey(
         state: reals, state_int: ints, law: reals, center: longs, radius: real_row, scale: reals,
-        origin: reals, origin_int: ints, sums: reals, level: ti.i32, size: ti.i32, band: real, renew: ti.i32,
+        origin: reals, origin_int: ints, sums: reals, due: ti.i32, renew: ti.i32, n_groups: ti.i32, size: ti.i32,
+        band: real,
     ):  # fmt: skip
         swimmers = ti.static(Swimmers(state, state_int, None, law, None))
         medium = ti.static(Medium(center, radius, None, None, None, None, scale))
-        for g in range(sums.shape[0]):
-            total = [real(0.0) for _ in ti.static(range(len(Sum)))]
-            for i in range(g * size, ti.min((g + 1) * size, state.shape[1])):
-                bound, low = real(0.0), real(0.0)
-                if level == 0:  # enough to know it once a look
-                    bound, low = stance(state, law, swimmers, medium, i, band)
-                k, image = state_int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-                k0 = origin_int[4 * level, i]
-                image0 = vec(*[origin_int[4 * level + 1 + d, i] for d in ti.static(range(3))])
-                moved, e = between(medium, k0, image0, k, image), vector(state, rows.e, i)
-                overlap = real(0.0)
-                for d in ti.static(range(dimensions)):
-                    moved[d] = moved[d] + (state[rows.x + d, i] - origin[2 * dimensions * level + d, i])
-                    overlap += e[d] * origin[2 * dimensions * level + dimensions + d, i]
-                square = moved.dot(moved)
-                if i == g * size:
-                    total[int(Sum.FIRST)] = square
-                more = square - total[int(Sum.FIRST)]
-                total[int(Sum.BOUND)] += bound
-                total[int(Sum.CONTACT)] += low
-                total[int(Sum.SQUARE)] += more
-                total[int(Sum.SQUARED)] += more * more
-                total[int(Sum.OVERLAP)] += overlap
-                if renew != 0:
-                    origin_int[4 * level, i] = k
-                    for d in ti.static(range(3)):
-                        origin_int[4 * level + 1 + d, i] = image[d]
+        for row in range(sums.shape[0]):
+            level, g = row // n_groups, row % n_groups
+            if (due >> level) & 1:
+                total = [real(0.0) for _ in ti.static(range(len(Sum)))]
+                for i in range(g * size, ti.min((g + 1) * size, state.shape[1])):
+                    bound, low = real(0.0), real(0.0)
+                    if level == 0:  # enough to know it once a look
+                        bound, low = stance(state, law, swimmers, medium, i, band)
+                    k, image = state_int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+                    k0 = origin_int[4 * level, i]
+                    image0 = vec(*[origin_int[4 * level + 1 + d, i] for d in ti.static(range(3))])
+                    moved, e = between(medium, k0, image0, k, image), vector(state, rows.e, i)
+                    overlap = real(0.0)
+                    first = 3 * dimensions * level
                     for d in ti.static(range(dimensions)):
-                        origin[2 * dimensions * level + d, i] = state[rows.x + d, i]
-                        origin[2 * dimensions * level + dimensions + d, i] = e[d]
-            for column in ti.static(range(len(Sum))):
-                sums[g, column] = total[column]
+                        x, rest = state[rows.x + d, i] - origin[first + d, i], state[rows.rest + d, i]
+                        moved[d] = moved[d] + x + (rest - origin[first + dimensions + d, i])
+                        overlap += e[d] * origin[first + 2 * dimensions + d, i]
+                    square = moved.dot(moved)
+                    if i == g * size:
+                        total[int(Sum.FIRST)] = square
+                    more = square - total[int(Sum.FIRST)]
+                    total[int(Sum.BOUND)] += bound
+                    total[int(Sum.CONTACT)] += low
+                    total[int(Sum.SQUARE)] += more
+                    total[int(Sum.SQUARED)] += more * more
+                    total[int(Sum.OVERLAP)] += overlap
+                    if (renew >> level) & 1:
+                        origin_int[4 * level, i] = k
+                        for d in ti.static(range(3)):
+                            origin_int[4 * level + 1 + d, i] = image[d]
+                        for d in ti.static(range(dimensions)):
+                            origin[first + d, i] = state[rows.x + d, i]
+                            origin[first + dimensions + d, i] = state[rows.rest + d, i]
+                            origin[first + 2 * dimensions + d, i] = e[d]
+                for column in ti.static(range(len(Sum))):
+                    sums[row, column] = total[column]
 
     return survey
 
@@ -128,7 +138,7 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
 class Survey:
     """The sums of a run: origins in time for each of `n_levels`, that of level 0 being the start.
 
-    `n_levels` x (4 + 2 dimensions) numbers for each swimmer are kept on the device.
+    `n_levels` x (4 + 3 dimensions) numbers for each swimmer are kept on the device.
     """
 
     def __init__(
@@ -136,19 +146,27 @@ class Survey:
     ) -> None:
         n = swimmers.real.shape[1]
         self._swimmers, self._medium, self._kernel, self._band = swimmers, medium, kernel, band
-        self._size = max(1, min(LARGEST, n // MOST_GROUPS))
+        self._size = max(1, min(LARGEST, n // FEWEST_GROUPS))
         n_groups = -(-n // self._size)
         self.group_sizes = np.diff(np.append(np.arange(n_groups) * self._size, n))  # (n_groups,) swimmers
-        shapes = (2 * dimensions * n_levels, n, real), (4 * n_levels, n, np.int32), (n_groups, len(Sum), real)
+        n_rows = n_groups * n_levels
+        shapes = (3 * dimensions * n_levels, n, real), (4 * n_levels, n, np.int32), (n_rows, len(Sum), real)
         self._origin, self._origin_int, self._sums = (on_device(np.zeros(shape, t)) for *shape, t in shapes)
-        for level in range(n_levels):
-            self.look(level, renew=True)
+        self.look(range(n_levels), renew=range(n_levels))
 
-    def look(self, level: int, *, renew: bool = False) -> Groups:
-        """All swimmers now, with displacements from the origin of a level; then `renew` that."""
-        swimmers, medium = self._swimmers, self._medium
+    def look(self, levels: Iterable[int], *, renew: Iterable[int] = ()) -> list[Groups]:
+        """All swimmers now, with displacements from the origin of each of `levels`; then `renew` those among them.
+
+        All in one launch, as a launch takes longer than its sums.
+        """
+        levels, swimmers, medium, n_groups = list(levels), self._swimmers, self._medium, len(self.group_sizes)
         self._kernel(
             swimmers.real, swimmers.int, swimmers.law, medium.center, medium.radius, medium.scale,
-            self._origin, self._origin_int, self._sums, level, self._size, self._band, renew,
+            self._origin, self._origin_int, self._sums, _bits(levels), _bits(renew), n_groups, self._size, self._band,
         )  # fmt: skip
-        return Groups.of(self.group_sizes, on_host(self._sums).astype(float))
+        sums = on_host(self._sums).astype(float).reshape(-1, n_groups, len(Sum))
+        return [Groups.of(self.group_sizes, sums[level]) for level in levels]
+
+
+def _bits(levels: Iterable[int]) -> int:
+    return sum(1 << level for level in set(levels))

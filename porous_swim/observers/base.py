@@ -56,11 +56,13 @@ class Frame:
     ensemble: Ensemble
     has_colloids: bool
     counts: Counts
-    residence: np.ndarray  # (n,) float64, a/U: lengths of the encounters that ended since the last frame
+    # What is new since the last frame that says so; empty where `has_news` is not set.
+    residence: np.ndarray  # (n,) float64, a/U: lengths of the encounters that ended
     winding: np.ndarray  # (n,) float64, turns: of those encounters
     under_way: np.ndarray  # (m,) float64, a/U: how long the encounters under way have lasted
-    hop_time: np.ndarray  # (n_hops,) float64, a/U: lengths of the flights (hops) that ended since the last frame
+    hop_time: np.ndarray  # (n_hops,) float64, a/U: lengths of the flights (hops) that ended
     hops: np.ndarray  # (n_hops, 2, 4) int32, of the same: colloid and periodic image, that left and that entered
+    has_news: bool = True
 
 
 class Observer(Protocol):

@@ -54,7 +54,7 @@ class HopTrack(Pictures):
         self._counts = HopCounts()
 
     def count(self, frame: Frame) -> None:
-        """Count the hops since the frame before."""
+        """Count the hops since the news before."""
         self._counts.add(frame.hops)
 
     def draw(self, *, step: int, time: float) -> None:

@@ -1,4 +1,4 @@
-"""What is drawn anew now and then rather than at every frame."""
+"""What is drawn anew now and then rather than at every frame, of what is new since the last time."""
 
 from __future__ import annotations
 
@@ -8,29 +8,41 @@ from porous_swim.observers.base import Frame
 
 
 class Pictures(ABC):
-    """Takes in every frame of a run of `n_frames`, draws at most some `most` of them, and the last."""
+    """Sees every frame of a run of `n_frames`, draws at most some `most` of them, and the last. Those need news."""
 
     def __init__(self, *, n_frames: int, most: int) -> None:
         self._every = max(1, n_frames // most)
         self._n_seen = 0
-        self._waiting: Frame | None = None  # the last frame, unless it has been drawn
+        self._waiting: Frame | None = None  # the last frame with news, unless it has been drawn
 
     @abstractmethod
     def count(self, frame: Frame) -> None:
-        """Take in what happened since the frame before."""
+        """Take in the news of a frame."""
 
     @abstractmethod
     def draw(self, *, step: int, time: float) -> None:
         """Log a picture of all that was counted."""
 
+    @property
+    def due(self) -> bool:
+        """Whether the next frame is to be drawn."""
+        return self._n_seen % self._every == 0
+
     def observe(self, frame: Frame) -> None:
         """Count; draw where that is due."""
-        self.count(frame)
-        due = self._n_seen % self._every == 0
+        due = self.due
+        self._n_seen += 1
+        if not frame.has_news:
+            return
+        self.take(frame)
         if due:
             self.draw(step=frame.step, time=frame.time)
-        self._waiting = None if due else frame
-        self._n_seen += 1
+            self._waiting = None
+
+    def take(self, frame: Frame) -> None:
+        """Count; what was not drawn yet is at the end."""
+        self.count(frame)
+        self._waiting = frame
 
     def finish(self) -> None:
         """Draw how it ended."""

@@ -18,6 +18,7 @@ from porous_swim.observers.blueprint import Layout
 from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_wall, log_world
 from porous_swim.observers.followed import FollowedTrack
 from porous_swim.observers.network import HopTrack
+from porous_swim.observers.pictures import Pictures
 from porous_swim.observers.space import Space
 from porous_swim.observers.statistics import DISTRIBUTIONS, DistributionTrack, SeriesTrack
 from porous_swim.observers.stream import RecordingFile
@@ -107,6 +108,21 @@ class Recording:
         """Tables of results for the page of text; to be given before `finish`."""
         self._results = markdown
 
+    @property
+    def wants_news(self) -> bool:
+        """Whether the next frame is to tell what is new; the others need not."""
+        return self._file is None or any(picture.due for picture in self._pictures)
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the last frame was seen without its news, which the pictures of the end need: see `catch_up`."""
+        return self._last is not None and not self._last.has_news
+
+    def catch_up(self, frame: Frame) -> None:
+        """Take in the news alone of the last frame, which is `frame`."""
+        for picture in self._pictures:
+            picture.take(frame)
+
     def observe(self, frame: Frame) -> None:
         """Take in one frame; the first one opens the file."""
         try:
@@ -147,6 +163,10 @@ class Recording:
         self._draw_wall(layout.space.scenery)
         self._file.lay_out(layout.blueprint())
         self._file.close()
+
+    @property
+    def _pictures(self) -> list[Pictures]:
+        return [track for track in self._tracks if isinstance(track, Pictures)]
 
     @property
     def _crowded(self) -> bool:

@@ -88,7 +88,7 @@ class DistributionTrack(Pictures):
         return tuple(name for name in self._names if name in self._pictures)
 
     def count(self, frame: Frame) -> None:
-        """Count what ended since the frame before."""
+        """Count what ended since the news before."""
         for name, histogram in self._histograms.items():
             histogram.add(getattr(frame, name))
         self._ended.append(frame.residence)

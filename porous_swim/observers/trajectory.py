@@ -28,8 +28,9 @@ class Trajectory:
         self.schedule = schedule
         self._swimmers = np.asarray(swimmers, dtype=np.int32)
         self._path = None if path is None else Path(path)
-        self._batches: list[pa.RecordBatch] = []
+        self._waiting: dict[str, list[np.ndarray]] = {}  # by column, an array for each frame
         self._n_waiting = 0
+        self._batches: list[pa.RecordBatch] = []  # without a path
         self._writer: pa.ipc.RecordBatchStreamWriter | None = None
         self._failed = False
         if self._path is not None:
@@ -41,19 +42,21 @@ class Trajectory:
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame; write a row group when it is full."""
-        self._batches.append(_rows(frame, self._swimmers))
+        for name, values in _rows(frame, self._swimmers).items():
+            self._waiting.setdefault(name, []).append(values)
         self._n_waiting += len(self._swimmers)
-        if self._writer is not None and self._n_waiting >= _GROUP_ROWS:
+        if self._n_waiting >= _GROUP_ROWS:
             self._write()
 
     def finish(self, *, interrupted: bool) -> None:
         """Write the rows that wait; an interrupted run keeps all rows up to its end."""
-        if self._writer is not None and not self._failed:
+        if not self._failed:
             self._write()
 
     def table(self, info: TableInfo) -> pa.Table:
         """All rows, with `info` attached; with a path, close the file and give it its name. Call it once."""
         if self._path is None:
+            self._write()
             return info.attach(pa.Table.from_batches(self._batches, schema=TRAJECTORY_SCHEMA))
         assert self._writer is not None
         schema = info.attach(TRAJECTORY_SCHEMA.empty_table()).schema
@@ -74,16 +77,20 @@ class Trajectory:
             raise self._failure(error) from None
 
     def _write(self) -> None:
-        assert self._writer is not None
-        if not self._batches:
+        if not self._waiting:
+            return
+        # pyarrow keeps references to arrays: concatenating made each its own
+        arrays = [pa.array(np.concatenate(self._waiting[field.name]), type=field.type) for field in TRAJECTORY_SCHEMA]
+        whole = pa.RecordBatch.from_arrays(arrays, schema=TRAJECTORY_SCHEMA)
+        self._waiting, self._n_waiting = {}, 0
+        if self._writer is None:
+            self._batches.append(whole)
             return
         try:
-            whole = pa.Table.from_batches(self._batches).combine_chunks()
-            for batch in whole.to_batches(max_chunksize=_GROUP_ROWS):
-                self._writer.write_batch(batch)
+            for first in range(0, len(whole), _GROUP_ROWS):
+                self._writer.write_batch(whole.slice(first, _GROUP_ROWS))
         except OSError as error:
             raise self._failure(error) from None
-        self._batches, self._n_waiting = [], 0
 
     def _failure(self, error: Exception) -> RunError:
         self._failed = True
@@ -91,12 +98,10 @@ class Trajectory:
         return RunError(f"{self._path}: the trajectory cannot be written: {reason}")
 
 
-def _rows(frame: Frame, swimmers: np.ndarray) -> pa.RecordBatch:
+def _rows(frame: Frame, swimmers: np.ndarray) -> dict[str, np.ndarray]:
     columns: dict[str, np.ndarray] = {"time": np.full(len(swimmers), frame.time), "swimmer": swimmers}
     vectors = {"x y z": frame.position, "ex ey ez": frame.director, "image_x image_y image_z": frame.image}
     for names, array in vectors.items():
-        columns.update(zip(names.split(), array[swimmers].T.copy(), strict=True))
+        columns.update(zip(names.split(), array[swimmers].T, strict=True))
     columns.update(colloid=frame.colloid[swimmers], state=frame.state[swimmers])
-    # pyarrow may keep a reference to an array: indexing and .copy() above made each its own
-    arrays = [pa.array(columns[field.name], type=field.type) for field in TRAJECTORY_SCHEMA]
-    return pa.RecordBatch.from_arrays(arrays, schema=TRAJECTORY_SCHEMA)
+    return columns
