@@ -15,7 +15,6 @@ from porous_swim.observers.stream import RecordingFile
 from porous_swim.obstacles.field import ObstacleField
 
 MAX_LINES = 2000  # the busiest: more cannot be told apart, and make the recording large
-_MAX_PICTURES = 20  # of the network over a run: it is seen to grow
 _WIDTHS = 0.75, 4.0  # points of the screen, of the rarest and of the busiest line
 
 
@@ -51,7 +50,7 @@ class HopTrack(Pictures):
     """The network as it grows: half a line for each direction, from the centre of the colloid that was left."""
 
     def __init__(self, file: RecordingFile, field: ObstacleField, *, n_frames: int, duration: float) -> None:
-        super().__init__(n_frames=n_frames, most=_MAX_PICTURES)
+        super().__init__(n_frames=n_frames)
         self._file, self._field, self._duration = file, field, duration
         self._counts = HopCounts()
 
