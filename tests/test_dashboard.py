@@ -176,7 +176,7 @@ def test_frames_tell_every_hop_once_and_as_soon_as_it_is_counted(noise, tmp_path
     assert n_hops > 10
 
 
-@pytest.mark.parametrize("n_frames", [100, 101])  # of 200; every fourth is drawn, and has news
+@pytest.mark.parametrize("n_frames", [100, 107])  # of 200; every tenth is drawn, and has news
 def test_the_last_pictures_of_an_interrupted_run_tell_all_that_ended(n_frames, tmp_path: Path):
     simulation, folder = ps.Simulation(small(tmp_path, **{"record.every": 0.2})), RunFolder.at(tmp_path / "run")
     observers = Observers(simulation, folder, progress=False, recording=True)

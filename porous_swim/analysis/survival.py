@@ -66,9 +66,10 @@ class WaitingTimes:
 
 def survival_curve(length: np.ndarray, *, ended: np.ndarray) -> SurvivalCurve:
     """Kaplan-Meier curve of lengths (n,), where `ended` (n,) says whether the end was seen."""
-    order = np.sort(length)
     time, n_ended = np.unique(length[ended], return_counts=True)
-    n_at_risk = len(length) - np.searchsorted(order, time, side="left")
+    ended_before = np.cumsum(n_ended) - n_ended
+    cut_before = np.searchsorted(np.sort(length[~ended]), time, side="left")
+    n_at_risk = len(length) - ended_before - cut_before
     return SurvivalCurve(time, np.cumprod(1.0 - n_ended / n_at_risk), n_at_risk, n_ended)
 
 

@@ -144,8 +144,9 @@ class Records:
         late = np.concatenate(self._late or [np.zeros((0, 3), np.int64)])
         if len(late) == 0:
             return
-        key = integer[:, LogInt.SWIMMER].astype(np.int64), long[:, LogLong.START]
-        row_of = {pair: row for row, pair in enumerate(zip(key[0].tolist(), key[1].tolist(), strict=True))}
+        lacking = np.flatnonzero(long[:, LogLong.PITCH] < 0)
+        keys = integer[lacking, LogInt.SWIMMER].tolist(), long[lacking, LogLong.START].tolist(), lacking.tolist()
+        row_of = {(swimmer, start): row for swimmer, start, row in zip(*keys, strict=True)}
         rows = [row_of[swimmer, start] for swimmer, start in late[:, :2].tolist()]
         long[rows, LogLong.PITCH] = late[:, 2]
         real[rows, self._columns.pitch_clock] = np.concatenate(self._late_clock)

@@ -22,8 +22,7 @@ class FollowedTrack:
     def __init__(self, file: RecordingFile, field: ObstacleField, swimmer: int) -> None:
         self._file, self._field, self._swimmer = file, field, swimmer
         self._moments = Moments()
-        self._heights: list[float] = []
-        self._pitches: list[float] = []
+        self._rows: dict[str, list[np.ndarray]] = {}
         self._visited: set[int] = set()
         self._corners = np.zeros((0, 3))  # of a box around where it was, and the colloids there
         for name, color in (("height", HEIGHT_COLOR), ("pitch", PITCH_COLOR)):
@@ -32,19 +31,9 @@ class FollowedTrack:
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame; send the batch when it is full."""
-        one = [self._swimmer]
-        colloid = frame.colloid[one]
-        center = self._field.centers[colloid] + frame.image[one] * self._field.box
-        height, sine = self._field.stance(frame.position[one] - center, frame.director[one], colloid)
-        shown = wrapped(frame.position[one], self._field.box)
-        radius = self._field.radii[colloid]
-        room = np.where(np.isfinite(radius), radius, 0.0) + _MARGIN
-        corners = np.concatenate([self._corners, shown - room, shown + room])
-        self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
-        self._visited.add(int(colloid[0]))
+        for name in ("position", "director", "colloid", "image"):
+            self._rows.setdefault(name, []).append(getattr(frame, name)[self._swimmer].copy())
         self._moments.add(frame)
-        self._heights.append(float(height[0]))
-        self._pitches.append(float(np.arcsin(np.clip(sine[0], -1.0, 1.0))))
         if len(self._moments) >= BATCH_ROWS:
             self._send()
 
@@ -61,7 +50,16 @@ class FollowedTrack:
             log_translucent(self._file, "world/followed/colloids", self._field, which=np.array(sorted(self._visited)))
 
     def _send(self) -> None:
-        for name, values in (("height", self._heights), ("pitch", self._pitches)):
+        position, director, colloid, image = (np.stack(rows) for rows in self._rows.values())
+        center = self._field.centers[colloid] + image * self._field.box
+        height, sine = self._field.stance(position - center, director, colloid)
+        shown = wrapped(position, self._field.box)
+        radius = self._field.radii[colloid, None]
+        room = np.where(np.isfinite(radius), radius, 0.0) + _MARGIN
+        corners = np.concatenate([self._corners, shown - room, shown + room])
+        self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
+        self._visited |= set(colloid.tolist())
+        for name, values in (("height", height), ("pitch", np.arcsin(np.clip(sine, -1.0, 1.0)))):
             self._file.send(f"followed/{name}", rr.Scalars.columns(scalars=values), self._moments)
-        self._moments, self._heights, self._pitches = Moments(), [], []
+        self._moments, self._rows = Moments(), {}
         self._file.flush()

@@ -6,12 +6,14 @@ from abc import ABC, abstractmethod
 
 from porous_swim.observers.base import Frame
 
+MOST = 20  # over a run: what they show is seen to grow; each takes some ms of the news, of sorting, and of Rerun
+
 
 class Pictures(ABC):
-    """Sees every frame of a run of `n_frames`, draws at most some `most` of them, and the last. Those need news."""
+    """Sees every frame of a run of `n_frames`, draws some `MOST` of them, and the last. Those need news."""
 
-    def __init__(self, *, n_frames: int, most: int) -> None:
-        self._every = max(1, n_frames // most)
+    def __init__(self, *, n_frames: int) -> None:
+        self._every = max(1, n_frames // MOST)
         self._n_seen = 0
         self._waiting: Frame | None = None  # the last frame with news, unless it has been drawn
 

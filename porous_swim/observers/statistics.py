@@ -12,7 +12,6 @@ from porous_swim.observers.palette import HOP_COLOR, MSD_COLOR, RETURN_COLOR, ST
 from porous_swim.observers.pictures import Pictures
 from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
 
-_MAX_PICTURES = 50  # of each distribution over a run: it is seen to grow; a picture takes 1.5 kB and a quarter of a ms
 _SURVIVAL_BARS = 64
 DISTRIBUTIONS = "residence", "survival", "winding", "hop_time"
 _WINDING_RESOLUTION = 1.0 / 1024.0  # turns; a power of two, so that whole turns are edges
@@ -71,7 +70,7 @@ class DistributionTrack(Pictures):
     """
 
     def __init__(self, file: RecordingFile, *, names: tuple[str, ...], time_step: float, n_frames: int) -> None:
-        super().__init__(n_frames=n_frames, most=_MAX_PICTURES)
+        super().__init__(n_frames=n_frames)
         self._file, self._names = file, names
         self._pictures: set[str] = set()
         self._ended: list[np.ndarray] = []  # residence times

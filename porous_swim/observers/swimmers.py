@@ -40,8 +40,8 @@ class SwimmerTrack:
     def observe(self, frame: Frame) -> None:
         """Take in one frame; send the batch when it is full."""
         self._moments.add(frame)
-        self._positions.append(wrapped(frame.position[self._swimmers], self._box))
-        self._states.append(frame.state[self._swimmers].astype(np.uint16))
+        self._positions.append(frame.position[self._swimmers])
+        self._states.append(frame.state[self._swimmers])
         self._lanes.observe(frame)
         for trails in self._trails:
             trails.observe(frame)
@@ -53,7 +53,8 @@ class SwimmerTrack:
         if not len(self._moments):
             return
         if len(self._swimmers):
-            positions, states = np.concatenate(self._positions), np.concatenate(self._states)
+            positions = wrapped(np.concatenate(self._positions), self._box)
+            states = np.concatenate(self._states).astype(np.uint16)
             points = rr.Points3D.columns(positions=positions, class_ids=states)
             self._file.send(
                 "world/swimmers", points.partition([len(self._swimmers)] * len(self._moments)), self._moments

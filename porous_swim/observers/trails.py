@@ -21,7 +21,7 @@ class TrailTrack:
     ) -> None:
         self._file, self._entity, self._swimmers, self._box, self._radius = file, entity, swimmers, box, radius
         self._rows: dict[str, list[np.ndarray]] = {}
-        self._last: np.ndarray | None = None  # (n, 3) unwrapped, of the frame before
+        self._last: np.ndarray | None = None  # (n, 3) unwrapped, of the last frame that was sent
         file.log(f"{entity}/swimmers", rr.Points3D.from_fields(radii=[radius], show_labels=False))
         arrows = rr.Arrows3D.from_fields(radii=[0.25 * radius], colors=[DIRECTOR], show_labels=False)
         file.log(f"{entity}/directors", arrows)
@@ -29,27 +29,12 @@ class TrailTrack:
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame."""
-        position, director = frame.position[self._swimmers], frame.director[self._swimmers]
-        end = wrapped(position, self._box)
-        before = position if self._last is None else self._last
-        # drawn whole in the image where it ends: a trail breaks at the box and never crosses it
-        start = (end - (position - before)).astype(np.float32)
-        self._last = position.copy()
-        # an arrow is the body of a slender swimmer and sticks out of a round one
-        tail = (1.0 - min(self._radius, 1.0)) * director
-        rows = {
-            "positions": end,
-            "states": frame.state[self._swimmers].astype(np.uint16),
-            "origins": (end - tail).astype(np.float32),
-            "vectors": (tail + (1.0 + 1.5 * self._radius) * director).astype(np.float32),
-            "segments": np.stack([start, end], axis=1),
-        }
-        for name, values in rows.items():
-            self._rows.setdefault(name, []).append(values)
+        for name in ("position", "director", "state"):
+            self._rows.setdefault(name, []).append(getattr(frame, name)[self._swimmers])
 
     def send(self, moments: Moments) -> None:
         """Send the rows that wait, one for each of `moments`."""
-        rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}  # concatenated, hence copies
+        rows = self._drawn(*(np.stack(self._rows[name]) for name in ("position", "director", "state")))
         points = rr.Points3D.columns(positions=rows["positions"], class_ids=rows["states"])
         arrows = rr.Arrows3D.columns(vectors=rows["vectors"], origins=rows["origins"])
         strips = rr.LineStrips3D.columns(strips=rows["segments"], class_ids=rows["states"])
@@ -58,8 +43,25 @@ class TrailTrack:
             self._file.send(f"{self._entity}/{name}", columns.partition(lengths), moments)
         self._rows = {}
 
+    def _drawn(self, position: np.ndarray, director: np.ndarray, state: np.ndarray) -> dict[str, np.ndarray]:
+        """What is drawn of vectors (n_frames, n, 3) and states (n_frames, n): rows of swimmers, frame by frame."""
+        end = wrapped(position, self._box)
+        before = np.concatenate([position[:1] if self._last is None else self._last[None], position[:-1]])
+        # drawn whole in the image where it ends: a trail breaks at the box and never crosses it
+        start = (end - (position - before)).astype(np.float32)
+        self._last = position[-1]
+        # an arrow is the body of a slender swimmer and sticks out of a round one
+        tail = (1.0 - min(self._radius, 1.0)) * director
+        return {
+            "positions": end.reshape(-1, 3),
+            "states": state.ravel().astype(np.uint16),
+            "origins": (end - tail).astype(np.float32).reshape(-1, 3),
+            "vectors": (tail + (1.0 + 1.5 * self._radius) * director).astype(np.float32).reshape(-1, 3),
+            "segments": np.stack([start, end], axis=2).reshape(-1, 2, 3),
+        }
+
 
 def wrapped(position: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) in the periodic `box` (3,), in single precision."""
+    """Positions (..., 3) in the periodic `box` (3,), in single precision."""
     edge = np.where(box > 0.0, box, np.inf)
     return np.asarray(position - np.floor(position / edge) * np.where(box > 0.0, edge, 0.0), np.float32)

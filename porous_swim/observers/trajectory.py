@@ -59,20 +59,18 @@ class Trajectory:
             self._write()
             return info.attach(pa.Table.from_batches(self._batches, schema=TRAJECTORY_SCHEMA))
         assert self._writer is not None
-        schema = info.attach(TRAJECTORY_SCHEMA.empty_table()).schema
         part = self._path.with_name(self._path.name + ".part")
         try:
             self._writer.close()
             # the schema stands at the front of a file, and the time of the last row is known only now: copy
-            with (
-                pa.ipc.open_stream(pa.memory_map(str(self._rows_path))) as rows,
-                pq.ParquetWriter(part, schema, compression="zstd", use_dictionary=_NAMES) as complete,
-            ):
-                for batch in rows:
-                    complete.write_batch(batch.replace_schema_metadata(schema.metadata))
+            with pa.OSFile(str(self._rows_path)) as file, pa.ipc.open_stream(file) as rows:
+                table = info.attach(rows.read_all())
+            with pq.ParquetWriter(part, table.schema, compression="zstd", use_dictionary=_NAMES) as complete:
+                for batch in table.to_batches():
+                    complete.write_batch(batch)
             os.replace(part, self._path)
             self._rows_path.unlink()
-            return info.attach(pq.read_table(self._path, memory_map=True))
+            return table
         except (OSError, pa.ArrowException) as error:
             raise self._failure(error) from None
 
