@@ -158,9 +158,7 @@ def test_displacements_far_from_where_offsets_are_measured_keep_their_digits(tmp
     }  # fmt: skip
     text = FREE.replace("periodic, size: [50, 50, 50]", "open")
     text = text.replace("{kind: uniform}", "{kind: point, position: [1.0e5, 1.0e5, 1.0e5]}")
-    squares = an.ensemble_msd(
-        ps.run(scene_of(tmp_path, text, **changes)).lags
-    )
+    squares = an.ensemble_msd(ps.run(scene_of(tmp_path, text, **changes)).lags)
     t, decay = squares.lag, 0.6
     expected = 6.0 * 0.05 * t + 2.0 / decay**2 * (decay * t - 1.0 + np.exp(-decay * t))
     assert np.all(np.abs(squares.value - expected) < 4.0 * squares.standard_error + 1e-3 * expected)
