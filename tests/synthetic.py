@@ -15,7 +15,8 @@ from porous_swim.results import (
 )
 
 # lags in frames, by the frames from one start of a window to the next, as docs/statistics.md has them
-LAGS_OF = {1: [1], 4: [2, 3, 4], 16: [5, 6, 7, 8, 10, 12, 14, 16], 64: [20, 24, 28, 32, 40, 48, 56, 64]}
+LAGS_OF = {1: [1, 2, 3, 4], 4: [5, 6, 7, 8, 10, 12, 14, 16], 16: [20, 24, 28, 32, 40, 48, 56, 64],
+           64: [80, 96, 112, 128, 160, 192, 224, 256]}  # fmt: skip
 _NULLABLE = {field.name for field in ENCOUNTERS_SCHEMA if field.nullable}
 
 
@@ -65,9 +66,9 @@ def lags(about: TableInfo, time: np.ndarray, position: np.ndarray, director: np.
     """The table of lags of times (n,), positions and directors (n, n_swimmers, 3); each swimmer is a group."""
     n_last, n_swimmers = len(time) - 1, position.shape[1]
     rows: dict[str, list[np.ndarray]] = {field.name: [] for field in LAGS_SCHEMA}
-    for period in LAGS_OF:
-        for lag in (lag for lag in LAGS_OF[period] if lag <= max(1.0, 0.5 * n_last)):
-            first = np.arange(0, n_last - lag + 1, period)
+    for spacing in LAGS_OF:
+        for lag in (lag for lag in LAGS_OF[spacing] if lag <= max(1.0, 0.5 * n_last)):
+            first = np.arange(0, n_last - lag + 1, spacing)
             if len(first) == 0:
                 continue
             square = np.sum((position[first + lag] - position[first]) ** 2, axis=2)

@@ -1,49 +1,49 @@
 """Displacements over lags, of all swimmers, summed on the device while a run goes on: no trajectory is kept for them.
 
-Windows of a lag do not overlap. Origins are renewed every 1, 4, 16, 64, ... frames, and each serves the lags up to its
-age then that the one before is too young for: 1; 2, 3, 4; 5, 6, 7, 8, 10, 12, 14, 16; 20, 24, 28, 32, 40, ...
+Windows begin every 1, 4, 16, 64, ... frames, and each is looked back to up to a length of four times that: at lags of
+1, 2, 3, 4 frames; 5, 6, 7, 8, 10, 12, 14, 16; 20, 24, 28, 32, 40, ... So windows of one lag overlap up to four times,
+and all of the run counts at every lag; errors come from groups of swimmers, which are independent whatever overlaps.
 """
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
 from porous_swim.engine.survey import Groups, Survey
 
 COLUMNS = ("lag", "group", "n_swimmers", "n_windows", "msd", "fourth_moment", "director_correlation")
+OPEN = 4  # windows of a spacing that are under way at a time
+MOST_SPACINGS = 7  # levels have a bit each in 32: lags up to 16384 frames
 LONGEST = 0.5  # of the run: beyond, too few windows would be there to add anything to those of `timeseries`
 
 
-def ages(period: int) -> list[int]:
-    """The ages, in frames, at which an origin that is renewed every `period` is looked back to."""
-    if period == 1:
-        return [1]
-    if period == 4:
-        return [2, 3, 4]
-    return [part * (period // 16) for part in (5, 6, 7, 8, 10, 12, 14, 16)]
+def ages(spacing: int) -> list[int]:
+    """The lags, in frames, of windows that begin every `spacing` frames."""
+    return [1, 2, 3, 4] if spacing == 1 else [part * (spacing // 4) for part in (5, 6, 7, 8, 10, 12, 14, 16)]
 
 
-def periods(n_frames: int) -> list[int]:
-    """Frames between renewals of the origins that a run of `n_frames` after the first needs."""
-    found = [1]
-    while ages(4 * found[-1])[0] <= LONGEST * n_frames:
-        found.append(4 * found[-1])
-    return found
+def spacings(n_frames: int) -> list[int]:
+    """From window to window, in frames: those that a run of `n_frames` after the first needs."""
+    wanted = (4**k for k in range(1, MOST_SPACINGS))
+    return [1, *itertools.takewhile(lambda spacing: ages(spacing)[0] <= LONGEST * n_frames, wanted)]
 
 
 def n_levels(n_frames: int) -> int:
-    """Levels of the survey of such a run."""
-    return 1 + len(periods(n_frames))
+    """Levels of the survey of such a run: the start, and four windows under way for each spacing."""
+    return 1 + OPEN * len(spacings(n_frames))
 
 
 class Lags:
     """The sums of a run. `note` every frame that there is, at multiples of `period` steps."""
 
     def __init__(self, survey: Survey, *, period: int, n_frames: int) -> None:
-        """Level k + 1 of `survey` keeps the origin of the k-th of `periods(n_frames)`, level 0 the start."""
-        self._survey, self._period, self._periods = survey, period, periods(n_frames)
-        self._ages = [[age for age in ages(p) if age <= max(1.0, LONGEST * n_frames)] for p in self._periods]
-        self._born = [0] * len(self._periods)  # frame of the present origin
+        """Windows that begin at frames q, q + 4, ... times the k-th spacing have level 1 + 4 k + q of `survey`."""
+        self._survey, self._period = survey, period
+        self._windows = [(spacing, q) for spacing in spacings(n_frames) for q in range(OPEN)]
+        self._longest = max(1.0, LONGEST * n_frames)
+        self._born: list[int | None] = [0 if q == 0 else None for _, q in self._windows]  # frame of the present origin
         self._last = 0
         self._sums: dict[int, np.ndarray] = {}  # by lag in frames: rows of squares, their squares, overlaps
         self._n_windows: dict[int, int] = {}
@@ -54,16 +54,17 @@ class Lags:
         if step % self._period or frame <= self._last:
             return self._survey.look([0])[0]
         self._last = frame
-        lags = [frame - born for born in self._born]
-        ends = [level for level, period in enumerate(self._periods) if frame % period == 0]
-        wanted = [level for level, lag in enumerate(lags) if lag in self._ages[level]]
-        due = sorted({*wanted, *ends})
-        start, *groups = self._survey.look([0, *(level + 1 for level in due)], renew=[level + 1 for level in ends])
-        for level, found in zip(due, groups, strict=True):
-            if level in wanted:
-                self._add(lags[level], found)
-        for level in ends:
-            self._born[level] = frame
+        lags = [0 if born is None else frame - born for born in self._born]
+        begin = [i for i, (spacing, q) in enumerate(self._windows) if (frame - q * spacing) % (OPEN * spacing) == 0]
+        wanted = [i for i, (spacing, _) in enumerate(self._windows) if lags[i] in ages(spacing)]
+        wanted = [i for i in wanted if lags[i] <= self._longest]
+        due = sorted({*wanted, *begin})
+        start, *groups = self._survey.look([0, *(i + 1 for i in due)], renew=[i + 1 for i in begin])
+        for i, found in zip(due, groups, strict=True):
+            if i in wanted:
+                self._add(lags[i], found)
+        for i in begin:
+            self._born[i] = frame
         return start
 
     def columns(self) -> dict[str, np.ndarray]:
