@@ -74,11 +74,15 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     if (units := scene.unit_system) is not None:
         end += f" ({scene.run.duration * units.time:g} s)"
     return [
-        ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}"),
+        ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
         ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
+
+
+def _flights(scene: Scene) -> str:
+    return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
 
 
 def _bytes_per_swimmer(scene: Scene) -> int:

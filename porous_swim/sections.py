@@ -54,7 +54,8 @@ class Run(Part):
     """Length of a step."""
     flight_step: Annotated[Time, Field(gt=0.0)] | None = None
     """Length of the steps of free swimmers that are so far from every colloid that they can neither reach it in such a
-    step nor feel its flow change: a whole number of steps, of which `duration` and `record.every` are whole numbers.
+    step nor feel its flow change: a whole number of steps, of which `duration` and `record.every` are whole numbers;
+    at most 0.017/D_r, in which a swimmer turns little.
     It pays where swimmers are free for long, in dilute fields and around single colloids. For runs with the
     integrator `reflected`. Left out: `time_step`."""
     duration: Annotated[Time, Field(gt=0.0, le=1e9)]
@@ -111,10 +112,10 @@ def check_flights(run: Run, record: Record, *, integrator: str, rotational_diffu
         return
     if integrator != "reflected":
         raise KeyedError(key, f"flights are for the integrator reflected, which has noise: found {integrator}")
-    check_whole_steps(key, length, run.time_step)
-    for other, time in (("run.duration", run.duration), ("record.every", record.every)):
-        if time is not None:
-            check_whole_steps(other, time, length)
     if length * rotational_diffusion > _MOST_TURN:
         most = _MOST_TURN / rotational_diffusion
         raise KeyedError(key, f"expected at most {most:.3g}, in which a swimmer turns little, found {length:g}")
+    check_whole_steps(key, length, run.time_step)
+    for other, time in (("run.duration", run.duration), ("record.every", record.every)):
+        if time is not None and abs(time / length - max(1, round(time / length))) > 1e-6:
+            raise KeyedError(key, f"expected a whole part of {other} ({time:g}), found {length:g}")

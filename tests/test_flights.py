@@ -121,8 +121,8 @@ def test_flights_change_no_statistic_of_a_dilute_lattice(tmp_path):
 def test_flights_that_cannot_be_are_refused_in_one_sentence(tmp_path):
     for changes, sentence in (
         ({"run.flight_step": 0.49}, r"run.flight_step: 0.49 is not a whole number of steps of 0.02"),
-        ({"run.flight_step": 0.7}, r"run.duration: 120 is not a whole number of steps of 0.7"),
-        ({"run.flight_step": 0.5, "record.every": 0.8}, r"record.every: 0.8 is not a whole number of steps of 0.5"),
+        ({"run.flight_step": 0.7}, r"run.flight_step: expected a whole part of run.duration \(120\), found 0.7"),
+        ({"run.flight_step": 0.5, "record.every": 0.8}, r"a whole part of record.every \(0.8\), found 0.5"),
         ({"run.flight_step": 20.0, "record.every": 20.0}, r"run.flight_step: expected at most 11.3"),
         ({"run.flight_step": 0.5, "run.integrator": "euler"}, r"for the integrator reflected.*found euler"),
     ):

@@ -136,7 +136,7 @@ def test_a_scene_with_units_has_them_in_every_table_and_on_every_axis(pages, run
         ("hop length, between centres", "hops", "length", a, "µm"),
         ("hop rate per swimmer", "hops", "rate", 1.0 / time, "1/s"),
         ("mean squared displacement at the end", "msd", "final", a**2, "µm²"),
-        ("effective diffusivity, late half of the run", "diffusivity", "effective", a**2 / time, "µm²/s"),
+        ("effective diffusivity", "diffusivity", "effective", a**2 / time, "µm²/s"),
     ):
         *value, found = rows[name][3][0].split()
         entry = summary[group][statistic]

@@ -38,7 +38,7 @@ class EffectiveDiffusivity:
     p_value: float
     """That a straight line in the window deviates from the data as much by chance."""
     linear: bool
-    """False where no window of the run is linear, so that `value` is no diffusivity yet."""
+    """False where no two windows in a row are, so that `value`, of the last one, may be no diffusivity yet."""
     n: int  # swimmers
 
     def estimate(self) -> Estimate:
@@ -92,6 +92,21 @@ def first_linear(
             return found
         fits_before = found.linear
     return replace(found, linear=False)
+
+
+def doubt_of(fit: EffectiveDiffusivity) -> str | None:
+    """Why a fit is no diffusivity yet: a sentence for reports and summaries; None where it is."""
+    if fit.linear:
+        return None
+    if fit.p_value > LINEAR:
+        return (
+            f"The mean squared displacement grows linearly in the last window of lags alone, {fit.window[0]:g} to "
+            f"{fit.window[1]:g} a/U (p = {fit.p_value:.2g}): no later one confirms that the motion is diffusive by then."
+        )
+    return (
+        f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "
+        f"(p = {fit.p_value:.2g} in the last): the motion is not yet diffusive, or the windows are too short."
+    )
 
 
 def none_for(n: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column
-from porous_swim.analysis.diffusion import EffectiveDiffusivity, none_for
+from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
 from porous_swim.analysis.ensemble import ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
@@ -144,11 +144,8 @@ def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persisten
             f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "
             "the motion is not yet diffusive."
         )
-    elif late.n and not late.linear:
-        yield (
-            f"The mean squared displacement grows linearly in no window of lags up to {late.window[1]:g} a/U: "
-            "the effective diffusivity is the slope of the last and no diffusivity yet."
-        )
+    elif late.n and (doubt := doubt_of(late)) is not None:
+        yield doubt
 
 
 _LINES = (  # (label, where in the summary)

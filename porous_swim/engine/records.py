@@ -145,8 +145,10 @@ class Records:
         if len(late) == 0:
             return
         lacking = np.flatnonzero(long[:, LogLong.PITCH] < 0)
-        keys = integer[lacking, LogInt.SWIMMER].tolist(), long[lacking, LogLong.START].tolist(), lacking.tolist()
-        row_of = {(swimmer, start): row for swimmer, start, row in zip(*keys, strict=True)}
-        rows = [row_of[swimmer, start] for swimmer, start in late[:, :2].tolist()]
-        long[rows, LogLong.PITCH] = late[:, 2]
-        real[rows, self._columns.pitch_clock] = np.concatenate(self._late_clock)
+        swimmer = np.concatenate([integer[lacking, LogInt.SWIMMER], late[:, 0]])
+        start = np.concatenate([long[lacking, LogLong.START], late[:, 1]])
+        order = np.lexsort((start, swimmer))  # a late passage stands behind its encounter: that came first
+        passed = np.flatnonzero(order >= len(lacking))
+        rows, late_rows = lacking[order[passed - 1]], order[passed] - len(lacking)
+        long[rows, LogLong.PITCH] = late[late_rows, 2]
+        real[rows, self._columns.pitch_clock] = np.concatenate(self._late_clock)[late_rows]

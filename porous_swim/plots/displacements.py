@@ -29,7 +29,7 @@ def draw(shown: list[Shown[Displacements]], scales: Scales | None) -> Figure:
     """Two panels on logarithmic axes of lag: the displacement with its fit, and the exponent."""
     picture, (squares, exponent) = panels(2, in_line=2, width=4.9, height=3.7)
     for run in shown:
-        name = run.label if len(shown) > 1 else "all starts, over swimmers"
+        name = run.label if len(shown) > 1 else "all swimmers"
         found = run.data.squares
         moved = found.value > 0.0
         squares.errorbar(
@@ -62,7 +62,7 @@ def _fit(axis, run: Shown[Displacements], *, name_it: bool) -> None:
     lag = np.geomspace(*fit.window, 50)
     line = fit.offset + 2.0 * run.data.dimensions * fit.value * lag
     shown = line > 0.0
-    name = "fit: effective diffusivity" if fit.linear else "last window: not linear"
+    name = "fit: effective diffusivity" if fit.linear else "fit: last window"
     axis.axvspan(*fit.window, color=run.color, alpha=0.08, linewidth=0)
     axis.plot(lag[shown], line[shown], color=run.color, linewidth=2.0, alpha=0.6, label=name if name_it else None)
 

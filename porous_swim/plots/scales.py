@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from matplotlib.ticker import NullFormatter
+
 from porous_swim.plots.style import TEXT_SIZE
 
 _POWERS = {  # unit of a table -> power of a, power of a/U, and its name in the laboratory
@@ -52,10 +54,12 @@ def pretty(unit: str) -> str:
 def label_x(axis: Any, text: str, unit: str, scales: Scales | None) -> None:
     """Name the axis below and, where there are units, put the laboratory's above."""
     axis.set_xlabel(_named(text, unit))
+    axis.xaxis.set_minor_formatter(NullFormatter())  # labels between decades would overlap
     found = scales and scales.physical(unit)
     if found:
         second = axis.secondary_xaxis("top", functions=_both_ways(found[0]))
         second.set_xlabel(f"{text} ({found[1]})", fontsize=TEXT_SIZE)
+        second.xaxis.set_minor_formatter(NullFormatter())
         second.tick_params(which="both", labelsize=TEXT_SIZE)
 
 

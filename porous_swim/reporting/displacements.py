@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from porous_swim.analysis import EffectiveDiffusivity, ensemble_diffusivity, ensemble_msd, msd_exponent
-from porous_swim.analysis.diffusion import none_for
+from porous_swim.analysis.diffusion import LINEAR, doubt_of, none_for
 from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
 from porous_swim.plots.style import Shown
@@ -68,19 +68,21 @@ def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
         run.label,
         Number(
             both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value,
-            note="" if fit.linear else "no line fits: not a diffusivity",
+            note=_note(fit),
         ),
         interval(*fit.interval, "a U", run.scales),
         interval(*fit.window, "a/U", run.scales), f"{fit.p_value:.2g}", f"{fit.n:,}",
     ]  # fmt: skip
 
 
+def _note(fit: EffectiveDiffusivity) -> str:
+    if fit.linear:
+        return ""
+    return "the last window alone is linear" if fit.p_value > LINEAR else "no line fits: not a diffusivity"
+
+
 def _doubts(fit: EffectiveDiffusivity) -> list[str]:
     if not np.isfinite(fit.value):
         return [none_for(fit.n)]
-    if not fit.linear:
-        return [
-            f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "
-            f"(p = {fit.p_value:.2g} in the last): the motion is not yet diffusive, or the windows are too short."
-        ]
-    return []
+    doubt = doubt_of(fit)
+    return [] if doubt is None else [doubt]

@@ -32,7 +32,7 @@ _NAMES: dict[tuple[str, ...], str] = {  # where the path in summary.json does no
     ("flights", "restricted_mean"): "mean time between encounters, up to the longest seen",
     ("flights", "mean_completed"): "mean time between encounters, completed ones (too short)",
     ("msd", "final"): "mean squared displacement at the end",
-    ("diffusivity", "effective"): "effective diffusivity, late half of the run",
+    ("diffusivity", "effective"): "effective diffusivity",
     ("fractions", "bound"): "fraction of time bound",
     ("fractions", "contact"): "fraction of time in contact",
     ("fractions", "contact_of_encounters"): "fraction of the time in encounters in contact",
