@@ -101,7 +101,7 @@ def doubt_of(fit: EffectiveDiffusivity) -> str | None:
     if fit.p_value > LINEAR:
         return (
             f"The mean squared displacement grows linearly in the last window of lags alone, {fit.window[0]:g} to "
-            f"{fit.window[1]:g} a/U (p = {fit.p_value:.2g}): no later one confirms that the motion is diffusive by then."
+            f"{fit.window[1]:g} a/U (p = {fit.p_value:.2g}): no later one confirms that the motion is diffusive."
         )
     return (
         f"In no window of lags up to {fit.window[1]:g} a/U does the mean squared displacement grow linearly "

@@ -86,6 +86,18 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
             low = R - medium.radius[b] - least <= band
         return ti.cast(bound, real), ti.cast(low, real)
 
+    @ti.func
+    def begin(
+        state: ti.template(), state_int: ti.template(), origin: ti.template(), origin_int: ti.template(), level, i
+    ):  # fmt: skip
+        """Make the present the origin of a level for swimmer i."""
+        origin_int[4 * level, i] = state_int[int(Int.COLLOID), i]
+        for d in ti.static(range(3)):
+            origin_int[4 * level + 1 + d, i] = state_int[int(Int.IMAGE) + d, i]
+        for d in ti.static(range(dimensions)):
+            for vector_number, row in ti.static(enumerate((rows.x, rows.rest, rows.e))):
+                origin[dimensions * (3 * level + vector_number) + d, i] = state[row + d, i]
+
     @ti.kernel
     def survey(
         state: reals, state_int: ints, law: reals, center: longs, radius: real_row, scale: reals,
@@ -122,13 +134,7 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
                     total[int(Sum.SQUARED)] += more * more
                     total[int(Sum.OVERLAP)] += overlap
                     if (renew >> level) & 1:
-                        origin_int[4 * level, i] = k
-                        for d in ti.static(range(3)):
-                            origin_int[4 * level + 1 + d, i] = image[d]
-                        for d in ti.static(range(dimensions)):
-                            origin[first + d, i] = state[rows.x + d, i]
-                            origin[first + dimensions + d, i] = state[rows.rest + d, i]
-                            origin[first + 2 * dimensions + d, i] = e[d]
+                        begin(state, state_int, origin, origin_int, level, i)
                 for column in ti.static(range(len(Sum))):
                     sums[row, column] = total[column]
 
