@@ -109,7 +109,7 @@ def test_frames_cost_time_even_where_swimming_costs_none():
 def test_the_memory_said_is_that_of_the_arrays(tmp_path, layout, precision):
     dimensions = {"hexagonal": 2, "fcc": 3}[layout]
     (tmp_path / "scene.yaml").write_text(
-        f"swimmers: {{count: 1000, dipole_strength: 1.0}}\n"
+        f"swimmers: {{count: 100, dipole_strength: 1.0}}\n"
         f"noise: {{kind: brownian, translational_diffusion: 0.01}}\n"
         f"obstacles: {{layout: {layout}, radius: 3, spacing: 10, cells: {[2] * dimensions}}}\n"
         f"domain: {{dimensions: {dimensions}}}\n"
