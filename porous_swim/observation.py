@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import platform
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from porous_swim.analysis.summary import summarize, summary_page
+from porous_swim.encounters import ENCOUNTERS, Encounters
 from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Observer
 from porous_swim.observers.progress import make_progress
@@ -20,15 +22,8 @@ from porous_swim.observers.recording import Recording, recording_warning
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.results import (
-    COLLOIDS_SCHEMA,
-    ENCOUNTERS_SCHEMA,
-    LAGS_SCHEMA,
-    Results,
-    RunFolder,
-    TableInfo,
-    make_table,
-)
+from porous_swim.results import Results, RunFolder
+from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
 
 if TYPE_CHECKING:
     from porous_swim.simulation import Simulation
@@ -79,7 +74,7 @@ class Observers:
         if self._recording is not None and self._recording.is_behind:
             self._recording.catch_up(simulation.frame(simulation.scene.n_recorded))
         return self._results(
-            "interrupted" if interrupted else "finished", simulation.engine.encounters(),
+            "interrupted" if interrupted else "finished", simulation.engine.encounter_parts(),
             time=simulation.time, rate=rate, warnings=self._warnings,
         )  # fmt: skip
 
@@ -88,22 +83,23 @@ class Observers:
         time = self._last[1]
         missing = f"The run failed after time {time:g} a/U; encounters under way then are missing. ({error})"
         with suppress(Exception):
-            columns = self._simulation.engine.encounters()
-            # swimmers stand at different steps now: only what had ended by the last frame is sure to be whole
-            seen = ~columns["end_censored"] & (columns["end_time"] <= time)
-            columns = {name: column[seen] for name, column in columns.items()}
-            self._results("failed", columns, time=time, rate=None, warnings=[missing, *self._warnings])
+            parts = (_ended_by(part, time) for part in self._simulation.engine.encounter_parts())
+            self._results("failed", parts, time=time, rate=None, warnings=[missing, *self._warnings])
 
     def _results(
-        self, status: str, encounters: dict[str, np.ndarray], *, time: float, rate: float | None, warnings: list[str]
-    ) -> Results:
+        self, status: str, encounters: Iterator[dict[str, np.ndarray]], *, time: float, rate: float | None,
+        warnings: list[str],
+    ) -> Results:  # fmt: skip
         simulation, scene = self._simulation, self._simulation.scene
         provenance = provenance_of(simulation) | {"swimmer_steps_per_second": rate}
         info = replace(simulation.table_info(provenance), last_time=time)
         interrupted = status != "finished"
         self._trajectory.finish(interrupted=interrupted)
+        parts = (make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
+        path = None if self._folder is None else self._folder.path / ENCOUNTERS
+        with _writing(path):
+            stored = Encounters.written(parts, path)
         tables = {
-            "encounters": make_table(ENCOUNTERS_SCHEMA, encounters, info=info),
             "colloids": colloid_table(simulation.field, info),
             "timeseries": self._series.table(info),
             "lags": lag_table(simulation, info),
@@ -112,15 +108,18 @@ class Observers:
         D_r = scene.rotational_diffusion
         persistence = math.inf if D_r == 0.0 else 1.0 / ((simulation.field.dimensions - 1) * D_r)
         statistics = summarize(
-            *(tables[name] for name in ("encounters", "colloids", "timeseries", "lags")),
+            stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
             persistence_time=persistence, warnings=warnings,
         )  # fmt: skip
         summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
         if self._recording is not None:
             self._recording.set_summary(summary_page(summary))
         self.finish(interrupted=interrupted)
-        results = Results(**tables, summary=summary, folder=None, info=info)
-        return results if self._folder is None else _write(results, self._folder)
+        results = Results(stored, **tables, summary=summary, folder=None, info=info)
+        if self._folder is None:
+            return results
+        with _writing(self._folder.path):
+            return self._folder.write(results, there=("encounters", "trajectory"))  # which are written
 
     def _record(self, path: Path, recorded: np.ndarray) -> None:
         scene, field = self._simulation.scene, self._simulation.field
@@ -137,11 +136,22 @@ class Observers:
         self._all.append(self._recording)
 
 
-def _write(results: Results, folder: RunFolder) -> Results:
+@contextmanager
+def _writing(path: Path | None) -> Iterator[None]:
+    """Say which tables the disk has no room for."""
     try:
-        return folder.write(results, there=("trajectory",))  # which wrote itself
+        yield
     except OSError as error:
-        raise RunError(f"{folder.path}: the tables cannot be written: {error.strerror or error}") from None
+        raise RunError(f"{path}: the tables cannot be written: {error.strerror or error}") from None
+
+
+def _ended_by(columns: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
+    """Encounters of a run that failed: swimmers stand at different steps, so only what had ended is sure to be whole.
+
+    `time` is that of the last frame.
+    """
+    seen = ~columns["end_censored"] & (columns["end_time"] <= time)
+    return {name: column[seen] for name, column in columns.items()}
 
 
 def colloid_table(field: ObstacleField, info: TableInfo) -> Any:

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from porous_swim.costs import COMPILING
+from porous_swim.encounters import ROWS
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
 from porous_swim.engine.engine import Engine, check_flights
 from porous_swim.engine.lags import Lags, n_levels
 from porous_swim.engine.laws import Laws, Numbers
+from porous_swim.engine.news import News
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.records import News
 from porous_swim.engine.survey import Groups
 from porous_swim.errors import RunError
 from porous_swim.interrupts import Interrupts
@@ -28,10 +29,11 @@ from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, F
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
 from porous_swim.printing import tell
-from porous_swim.results import Results, RunFolder, TableInfo
+from porous_swim.results import Results, RunFolder
 from porous_swim.scene import Scene
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.swarm import Swimmers
+from porous_swim.tables import TableInfo
 
 LOOK_SECONDS = 0.5  # between looks at the keyboard and at the clock; decides no result
 
@@ -57,10 +59,14 @@ class Start:
 class Simulation:
     """A scene placed on a device: advance it step by step with `advance` and look at `frame`."""
 
-    def __init__(self, scene: Scene, start: Start | None = None, *, lanes: int | None = None) -> None:
+    def __init__(
+        self, scene: Scene, start: Start | None = None, *, lanes: int | None = None, news: bool = True,
+        log_path: Path | None = None,
+    ) -> None:  # fmt: skip
         """Compile the kernel for a scene and its start, by default `Start.of(scene)`.
 
-        `lanes` is the number of swimmers to a block; it changes the speed only.
+        `lanes` is the number of swimmers to a block; it changes the speed only. `news` keeps what frames tell of the
+        encounters since the last. Many encounters wait in the file `log_path`, without one in memory.
         """
         start = Start.of(scene) if start is None else start
         self.scene, self.backend, self.field = scene, start.backend, start.field
@@ -72,7 +78,7 @@ class Simulation:
                 scene.flight_ticks,
             ),
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
-            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes,
+            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=news, log_path=log_path,
         )  # fmt: skip
         n_frames = scene.n_steps // scene.record_period
         self._survey = self.engine.survey(n_levels=n_levels(n_frames))
@@ -178,7 +184,9 @@ def run_in(
         if progress:
             tell(_device_line(scene, start.backend), sys.stderr)
         with interrupts.while_compiling(), watch.timing("compiling"):
-            simulation = Simulation(scene, start)
+            recording = recording and folder is not None
+            log_path = None if folder is None else folder.path / ROWS
+            simulation = Simulation(scene, start, news=recording, log_path=log_path)
         observers = Observers(simulation, folder, progress=progress, recording=recording)
         try:
             rate = _advance(simulation, observers, interrupts, watch)
@@ -190,6 +198,8 @@ def run_in(
         except BaseException:
             observers.finish(interrupted=True)
             raise
+        finally:
+            simulation.engine.close()
         if progress:
             tell(watch.line(), sys.stderr)
         return results

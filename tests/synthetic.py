@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.results import (
-    COLLOIDS_SCHEMA,
-    ENCOUNTERS_SCHEMA,
-    LAGS_SCHEMA,
-    TRAJECTORY_SCHEMA,
-    TableInfo,
-    make_table,
-)
+from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TRAJECTORY_SCHEMA, TableInfo, make_table
 
 # lags in frames, by the frames from one start of a window to the next, as docs/statistics.md has them
 LAGS_OF = {1: [1, 2, 3, 4], 4: [5, 6, 7, 8, 10, 12, 14, 16], 16: [20, 24, 28, 32, 40, 48, 56, 64],

@@ -20,7 +20,7 @@ from porous_swim.analysis.orbits import orbits
 from porous_swim.analysis.residence import contact_fraction_of_encounters, residence_times
 from porous_swim.analysis.scattering import scattering
 from porous_swim.errors import ResultsError
-from porous_swim.results import COLLOIDS_SCHEMA, make_table
+from porous_swim.tables import COLLOIDS_SCHEMA, make_table
 from tests import synthetic
 
 

@@ -11,7 +11,7 @@ from commands import SMALL
 import porous_swim as ps
 from porous_swim.analysis.ensemble import _windows
 from porous_swim.analysis.transport import tracks
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 from tests import synthetic
 
 an = ps.analysis

@@ -16,7 +16,7 @@ from porous_swim.analysis.hop_network import hop_counts, hop_degrees, hop_networ
 from porous_swim.analysis.hop_table import hop_shells, hop_table
 from porous_swim.analysis.hops import hop_statistics
 from porous_swim.analysis.places import neighbour_distances
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 from tests import synthetic
 
 SPACING = 10.0

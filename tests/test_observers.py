@@ -16,7 +16,7 @@ from porous_swim.observers.histogram import MAX_BINS, GrowingHistogram
 from porous_swim.observers.progress import NoProgress, ProgressBar, ProgressLines, make_progress
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
-from porous_swim.results import TIMESERIES_SCHEMA, TRAJECTORY_SCHEMA, TableInfo
+from porous_swim.tables import TIMESERIES_SCHEMA, TRAJECTORY_SCHEMA, TableInfo
 
 INFO = TableInfo(
     n_swimmers=30,

@@ -20,6 +20,7 @@ from pages import Page
 import porous_swim as ps
 from porous_swim import cli
 from porous_swim.analysis.summary import summarize
+from porous_swim.encounters import Encounters
 from porous_swim.errors import ResultsError
 from porous_swim.plots.colloids import images_in
 from porous_swim.plots.style import MOST_POINTS, thinned_tail
@@ -29,7 +30,8 @@ from porous_swim.reporting.lifetime_tables import table_by_radius
 from porous_swim.reporting.numbers import value_and_error
 from porous_swim.reporting.run import Run, runs_of
 from porous_swim.reporting.write import SECTIONS
-from porous_swim.results import TIMESERIES_SCHEMA, Results, make_table
+from porous_swim.results import Results
+from porous_swim.tables import TIMESERIES_SCHEMA, make_table
 from tests import synthetic
 
 NAMES = [
@@ -265,7 +267,8 @@ def in_memory(encounters: Any, *, box: tuple[float, float, float] = (0.0, 0.0, 0
         field = tables["trajectory"].schema.field("colloid")
         tables["trajectory"] = tables["trajectory"].set_column(place, field, [lost])
     summary = {"status": "finished", **summarize(*list(tables.values())[:4], persistence_time=math.inf)}
-    return Results(**tables, summary=summary, folder=None, info=about)
+    stored = Encounters.in_memory(tables.pop("encounters"))
+    return Results(stored, **tables, summary=summary, folder=None, info=about)
 
 
 @pytest.mark.parametrize(
@@ -375,7 +378,7 @@ def test_means_by_radius_are_time_over_ends_of_each():
     moves = synthetic.random_moves(np.random.default_rng(5), n_swimmers=20, n_rows=200, last_time=100.0)
     results = in_memory(moves, n_colloids=3)
     colloids = results.colloids.set_column(4, results.colloids.schema.field("radius"), [[1.0, 2.0, 2.0]])
-    run = Run("run", "black", replace(results, encounters=moves, colloids=colloids), None, "", 1)
+    run = Run("run", "black", replace(results, stored=Encounters.in_memory(moves), colloids=colloids), None, "", 1)
     (table,) = table_by_radius([run])
     for row, group in zip(table.rows, ({0}, {1, 2}), strict=True):
         length = [row["end_time"] - row["start_time"] for row in moves.to_pylist() if row["colloid"] in group]

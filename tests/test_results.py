@@ -9,19 +9,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from porous_swim.encounters import Encounters
 from porous_swim.errors import ResultsError
-from porous_swim.results import (
-    ENCOUNTERS_SCHEMA,
-    RUN_FILES,
-    SCHEMAS,
-    TIMESERIES_SCHEMA,
-    Results,
-    RunFolder,
-    TableInfo,
-    load_results,
-    make_table,
-    write_table,
-)
+from porous_swim.results import RUN_FILES, Results, RunFolder, load_results
+from porous_swim.tables import ENCOUNTERS_SCHEMA, SCHEMAS, TIMESERIES_SCHEMA, TableInfo, make_table, write_table
 from tests import synthetic
 
 ABOUT = synthetic.info(n_swimmers=2, box=(10.0, 20.0, 0.0))
@@ -36,7 +27,9 @@ def some_results(**replaced: object) -> Results:
         "lags": synthetic.lags(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
         "trajectory": synthetic.trajectory(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
     }
-    return Results(**{**tables, "summary": {"status": "finished"}, "folder": None, "info": ABOUT, **replaced})
+    stored = Encounters.in_memory(tables.pop("encounters"))
+    others = {"summary": {"status": "finished"}, "folder": None, "info": ABOUT, **replaced}
+    return Results(stored, **{**tables, **others})
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pytest
 
 from porous_swim.analysis.summary import summarize, summary_lines
-from porous_swim.results import TIMESERIES_SCHEMA, TableInfo, make_table
+from porous_swim.tables import TIMESERIES_SCHEMA, TableInfo, make_table
 from tests import synthetic
 
 STATISTIC = {"value", "standard_error", "n", "n_censored", "unit"}

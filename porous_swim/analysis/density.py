@@ -11,7 +11,7 @@ from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
 from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.errors import ResultsError
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 
 
 def cell_density(trajectory: pa.Table, *, cell: tuple[float, float] | None = None, n_bins: int = 60) -> Map:

@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.analysis.lagged import LONGEST, TimeAverages, even_frames, geometric_frames, lag_averages, squared_step
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 
 LINEAR = 0.05  # p-value from which a window counts as linear
 FEWEST_LAGS, MOST_LAGS = 4, 8

@@ -10,7 +10,7 @@ import pyarrow as pa
 from porous_swim.analysis.histogram import Histogram, histogram
 from porous_swim.analysis.lagged import TimeAverages, error_of_mean, even_frames, lag_averages, squared_step
 from porous_swim.analysis.transport import Lagged
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 
 
 def msd_exponent(squares: TimeAverages) -> Lagged:

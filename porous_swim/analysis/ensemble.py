@@ -24,7 +24,7 @@ from porous_swim.analysis.diffusion import (
 from porous_swim.analysis.displacements import non_gaussian
 from porous_swim.analysis.lagged import TimeAverages
 from porous_swim.analysis.transport import Lagged
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 
 
 def ensemble_msd(lags: pa.Table) -> TimeAverages:

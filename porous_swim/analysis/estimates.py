@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,6 +78,12 @@ class Swimmers:
     def sums(self, values: np.ndarray) -> np.ndarray:
         """Sum of `values` (n_rows,) over each swimmer's rows: (n,)."""
         return np.bincount(self.group, weights=values, minlength=self.n)
+
+
+def joined(parts: Iterable[Mapping[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """Arrays of each name one behind the other: sums over swimmers, of tables without a swimmer in common."""
+    every = list(parts)
+    return {name: np.concatenate([part[name] for part in every]) for name in every[0]}
 
 
 def ratio_of_sums(numerator: np.ndarray, denominator: np.ndarray) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from porous_swim.analysis.columns import column
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
 from porous_swim.analysis.hops import hop_vectors, hops
 from porous_swim.analysis.places import SAME_DISTANCE, neighbour_distances
-from porous_swim.results import TableInfo, make_table
+from porous_swim.tables import TableInfo, make_table
 
 NEAREST, SECOND, FARTHER = 1, 2, 3  # values of the column `shell`
 

@@ -12,12 +12,15 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, time_order, vectors
-from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
+from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.places import SAME_DISTANCE, centers_of, neighbour_distances
-from porous_swim.analysis.residence import residence_lengths
+from porous_swim.analysis.residence import WHEN, residence_lengths
 from porous_swim.analysis.survival import WaitingTimes
-from porous_swim.results import TableInfo
+from porous_swim.encounters import Encounters, parts_of
+from porous_swim.tables import TableInfo
+
+_WHERE = ("colloid", *(f"{name}_{axis}" for name in ("image", "entry", "exit") for axis in "xyz"))
 
 
 @dataclass(frozen=True)
@@ -88,15 +91,19 @@ def same_colloid(every: Moves) -> np.ndarray:
     return (every.from_colloid == every.to_colloid) & np.all(every.from_image == every.to_image, axis=1)
 
 
-def flight_lifetimes(encounters: pa.Table) -> Lifetimes:
+def flight_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Times from the end of each encounter that ended to the swimmer's next one, swimmer by swimmer.
 
     A flight under way at the end of the run is censored; the time from the release to the first encounter
     is no flight. The table needs its `TableInfo`.
     """
+    last_time = TableInfo.of(encounters).last_time
+    return Lifetimes.joined(_flight_lifetimes(part, last_time) for part in parts_of(encounters, *WHEN))
+
+
+def _flight_lifetimes(encounters: pa.Table, last_time: float) -> Lifetimes:
     order = time_order(encounters)
     swimmer, start, end = (column(encounters, name)[order] for name in ("swimmer", "start_time", "end_time"))
-    last_time = TableInfo.of(encounters).last_time
     until = np.full(len(end), last_time)
     followed = np.append(swimmer[1:] == swimmer[:-1], False)[: len(end)]
     until[followed] = start[1:][followed[:-1]]
@@ -104,7 +111,7 @@ def flight_lifetimes(encounters: pa.Table) -> Lifetimes:
     return every.select(~column(encounters, "end_censored")[order])
 
 
-def flights(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+def flights(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Mean times between encounters: see `flight_lifetimes`."""
     return flight_lifetimes(encounters).summary(horizon=horizon)
 
@@ -127,33 +134,49 @@ class HopStatistics:
     """Share of the hops that lead to a nearest neighbour of the colloid that was left."""
 
 
-def hop_statistics(encounters: pa.Table, colloids: pa.Table) -> HopStatistics:
+def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> HopStatistics:
     """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`.
 
     Without a second colloid, or an image of the one, there is nowhere to hop, and without any nowhere to return: no
     rates, not rates of 0.
     """
     info = TableInfo.of(encounters)
-    every = moves(encounters)
-    same = same_colloid(every)
-    hopped, returned = every.select(~same), every.select(same)
-    length = hop_lengths(hopped, colloids, box=info.box)
-    nearest = length <= SAME_DISTANCE * neighbour_distances(colloids, box=info.box)[0][hopped.from_colloid]
-    swimmers = Swimmers.of(hopped.swimmer)
-    counts = swimmers.sums(np.ones(len(hopped)))
+    nearest = neighbour_distances(colloids, box=info.box)[0]
+    sums: list[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = []
+    for part in parts_of(encounters, *WHEN, *_WHERE):
+        every = moves(part)
+        same = same_colloid(every)
+        sums.append((_hop_sums(every.select(~same), colloids, nearest, info), _counts(every.select(same))))
+    hopped, returned = (joined(each) for each in zip(*sums, strict=True))
+    n = int(hopped["n"].sum())
 
-    def mean(values: np.ndarray, unit: str) -> Estimate:
-        return Estimate(*ratio_of_sums(swimmers.sums(values), counts), len(hopped), 0, unit)
+    def mean(values: str, unit: str) -> Estimate:
+        return Estimate(*ratio_of_sums(hopped[values], hopped["n"]), n, 0, unit)
 
     elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
-        hop_rate=_rate(hopped, info) if elsewhere else Estimate.none("U/a"),
-        return_rate=_rate(returned, info) if len(colloids) else Estimate.none("U/a"),
-        time=mean(hopped.time, "a/U"),
-        length=mean(length, "a"),
-        displacement=mean(np.linalg.norm(hopped.displacement, axis=1), "a"),
-        nearest_share=mean(nearest, ""),
+        hop_rate=_rate(hopped["n"], info) if elsewhere else Estimate.none("U/a"),
+        return_rate=_rate(returned["n"], info) if len(colloids) else Estimate.none("U/a"),
+        time=mean("time", "a/U"),
+        length=mean("length", "a"),
+        displacement=mean("displacement", "a"),
+        nearest_share=mean("nearest", ""),
     )
+
+
+def _counts(counted: Moves) -> dict[str, np.ndarray]:
+    return {"n": Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))}
+
+
+def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: np.ndarray, info: TableInfo) -> dict[str, np.ndarray]:
+    """Of each swimmer that hopped, over its hops; `nearest` is each colloid's distance to its nearest neighbour."""
+    length = hop_lengths(hopped, colloids, box=info.box)
+    values = {
+        "time": hopped.time, "length": length, "displacement": np.linalg.norm(hopped.displacement, axis=1),
+        "nearest": length <= SAME_DISTANCE * nearest[hopped.from_colloid],
+    }  # fmt: skip
+    swimmers = Swimmers.of(hopped.swimmer)
+    return {name: swimmers.sums(value) for name, value in values.items()} | _counts(hopped)
 
 
 def hop_lengths(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
@@ -168,9 +191,8 @@ def hop_vectors(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, f
     return np.asarray(centers[hopped.to_colloid] - centers[hopped.from_colloid] + unwrapped)
 
 
-def _rate(counted: Moves, info: TableInfo) -> Estimate:
+def _rate(counts: np.ndarray, info: TableInfo) -> Estimate:
     if info.duration <= 0.0:
         return Estimate.none("U/a")
-    counts = Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))
     value, error = mean_over_swimmers(counts / info.duration, n_swimmers=info.n_swimmers)
-    return Estimate(value, error, len(counted), 0, "U/a")
+    return Estimate(value, error, int(counts.sum()), 0, "U/a")

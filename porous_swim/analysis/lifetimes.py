@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,12 @@ class Lifetimes:
     def __len__(self) -> int:
         """Number of lifetimes."""
         return len(self.length)
+
+    @classmethod
+    def joined(cls, parts: Iterable[Lifetimes]) -> Lifetimes:
+        """All lifetimes of `parts`, one or more, in their order."""
+        every = [vars(part) for part in parts]
+        return cls(**{name: np.concatenate([part[name] for part in every]) for name in every[0]})
 
     def select(self, chosen: np.ndarray) -> Lifetimes:
         """The lifetimes where the mask `chosen` (n,) holds."""

@@ -9,10 +9,13 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, time_order
-from porous_swim.analysis.estimates import Estimate, Swimmers, mean_over_swimmers, ratio_of_sums
+from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes
-from porous_swim.results import TableInfo
+from porous_swim.encounters import Encounters, parts_of
+from porous_swim.tables import TableInfo
+
+WHEN = ("swimmer", "start_time", "end_time", "start_censored", "end_censored")
 
 
 def residence_lengths(encounters: pa.Table) -> np.ndarray:
@@ -20,18 +23,22 @@ def residence_lengths(encounters: pa.Table) -> np.ndarray:
     return column(encounters, "end_time") - column(encounters, "start_time")
 
 
-def residence_lifetimes(encounters: pa.Table) -> Lifetimes:
+def residence_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Lengths of the encounters with what was seen of them, row by row. The table needs its `TableInfo`."""
-    return Lifetimes(
-        length=residence_lengths(encounters),
-        ended=~column(encounters, "end_censored"),
-        start_seen=~column(encounters, "start_censored"),
-        limit=TableInfo.of(encounters).last_time - column(encounters, "start_time"),
-        swimmer=column(encounters, "swimmer"),
+    last_time = TableInfo.of(encounters).last_time
+    return Lifetimes.joined(
+        Lifetimes(
+            length=residence_lengths(part),
+            ended=~column(part, "end_censored"),
+            start_seen=~column(part, "start_censored"),
+            limit=last_time - column(part, "start_time"),
+            swimmer=column(part, "swimmer"),
+        )
+        for part in parts_of(encounters, *WHEN)
     )
 
 
-def residence_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+def residence_times(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Residence (trapping) times: the lengths of the encounters, censored ones taken into account.
 
     Encounters that were under way when the table starts add time to `mean` and stay out of the rest.
@@ -40,20 +47,27 @@ def residence_times(encounters: pa.Table, *, horizon: float | None = None) -> Wa
     return residence_lifetimes(encounters).summary(horizon=horizon)
 
 
-def residence_survival(encounters: pa.Table) -> SurvivalCurve:
+def residence_survival(encounters: pa.Table | Encounters) -> SurvivalCurve:
     """Probability that an encounter lasts longer than a time; only encounters whose start was seen."""
     return residence_lifetimes(encounters).survival()
 
 
-def escape_pitch_lifetimes(encounters: pa.Table) -> Lifetimes:
+def escape_pitch_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Times from the start of each encounter until the pitch first exceeds `encounter.escape_pitch`, row by row.
 
     Where it did not come, the sample is censored at the swimmer's next encounter or at the end of the run.
     The table needs its `TableInfo`.
     """
+    last_time = TableInfo.of(encounters).last_time
+    return Lifetimes.joined(
+        _escape_pitch_lifetimes(part, last_time) for part in parts_of(encounters, *WHEN, "escape_pitch_time")
+    )
+
+
+def _escape_pitch_lifetimes(encounters: pa.Table, last_time: float) -> Lifetimes:
     order = time_order(encounters)
     start, swimmer = column(encounters, "start_time"), column(encounters, "swimmer")
-    given_up = np.full(len(start), TableInfo.of(encounters).last_time)
+    given_up = np.full(len(start), last_time)
     followed = np.flatnonzero(swimmer[order][1:] == swimmer[order][:-1])
     given_up[order[followed]] = start[order[followed + 1]]
     passage = column(encounters, "escape_pitch_time")
@@ -67,7 +81,7 @@ def escape_pitch_lifetimes(encounters: pa.Table) -> Lifetimes:
     )
 
 
-def escape_pitch_times(encounters: pa.Table, *, horizon: float | None = None) -> WaitingTimes:
+def escape_pitch_times(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Time from the start of an encounter until the pitch first exceeds `encounter.escape_pitch`.
 
     See `escape_pitch_lifetimes`; encounters whose start was not seen are left out.
@@ -76,23 +90,21 @@ def escape_pitch_times(encounters: pa.Table, *, horizon: float | None = None) ->
     return passages.select(passages.start_seen).summary(horizon=horizon)
 
 
-def bound_fraction(encounters: pa.Table) -> Estimate:
+def bound_fraction(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of all swimmers' time spent in encounters, averaged over the run. Needs the `TableInfo`."""
-    return _time_fraction(encounters, residence_lengths(encounters))
+    return _time_fraction(_times(encounters)["bound"], TableInfo.of(encounters))
 
 
-def contact_fraction(encounters: pa.Table) -> Estimate:
+def contact_fraction(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of all swimmers' time spent in contact, averaged over the run. Needs the `TableInfo`."""
-    return _time_fraction(encounters, column(encounters, "contact_time"))
+    return _time_fraction(_times(encounters)["contact"], TableInfo.of(encounters))
 
 
-def contact_fraction_of_encounters(encounters: pa.Table) -> Estimate:
+def contact_fraction_of_encounters(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of the time in encounters that is spent in contact."""
-    swimmers = Swimmers.of(column(encounters, "swimmer"))
-    value, error = ratio_of_sums(
-        swimmers.sums(column(encounters, "contact_time")), swimmers.sums(residence_lengths(encounters))
-    )
-    return Estimate(value, error, len(encounters), int(column(encounters, "end_censored").sum()), "")
+    sums = _times(encounters)
+    value, error = ratio_of_sums(sums["contact"], sums["bound"])
+    return Estimate(value, error, int(sums["n"].sum()), int(sums["n_censored"].sum()), "")
 
 
 def bound_fraction_at(encounters: pa.Table, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -110,10 +122,22 @@ def bound_fraction_at(encounters: pa.Table, time: np.ndarray) -> tuple[np.ndarra
     return fraction, np.sqrt(fraction * (1.0 - fraction) / max(n - 1, 1))
 
 
-def _time_fraction(encounters: pa.Table, time: np.ndarray) -> Estimate:
-    info = TableInfo.of(encounters)
+def _times(encounters: pa.Table | Encounters) -> dict[str, np.ndarray]:
+    """Of each swimmer that occurs: times bound and in contact, a/U, and numbers of encounters."""
+
+    def sums(part: pa.Table) -> dict[str, np.ndarray]:
+        swimmers, censored = Swimmers.of(column(part, "swimmer")), column(part, "end_censored")
+        values = {
+            "bound": residence_lengths(part), "contact": column(part, "contact_time"),
+            "n": np.ones(len(part)), "n_censored": censored,
+        }  # fmt: skip
+        return {name: swimmers.sums(value) for name, value in values.items()}
+
+    return joined(sums(part) for part in parts_of(encounters, *WHEN, "contact_time"))
+
+
+def _time_fraction(sums: np.ndarray, info: TableInfo) -> Estimate:
     if info.duration <= 0.0:
         return Estimate(np.nan, np.nan, 0, 0, "")
-    sums = Swimmers.of(column(encounters, "swimmer")).sums(time) / info.duration
-    value, error = mean_over_swimmers(sums, n_swimmers=info.n_swimmers)
+    value, error = mean_over_swimmers(sums / info.duration, n_swimmers=info.n_swimmers)
     return Estimate(value, error, info.n_swimmers, 0, "")

@@ -24,13 +24,14 @@ from porous_swim.analysis.residence import (
 from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED
 from porous_swim.analysis.winding import Winding, winding
-from porous_swim.results import TableInfo
+from porous_swim.encounters import Encounters, parts_of
+from porous_swim.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
 
 
 def summarize(
-    encounters: pa.Table,
+    encounters: pa.Table | Encounters,
     colloids: pa.Table,
     timeseries: pa.Table,
     lags: pa.Table,
@@ -125,10 +126,12 @@ def _residence_warnings(residence: WaitingTimes, duration: float) -> Iterable[st
         )
 
 
-def _passage_warnings(encounters: pa.Table) -> Iterable[str]:
-    ended = ~column(encounters, "end_censored")
-    missing = int(np.count_nonzero(np.isnan(column(encounters, "escape_pitch_time"))[ended]))
-    n = int(np.count_nonzero(ended))
+def _passage_warnings(encounters: pa.Table | Encounters) -> Iterable[str]:
+    n = missing = 0
+    for part in parts_of(encounters, "end_censored", "escape_pitch_time"):
+        ended = ~column(part, "end_censored")
+        n += int(np.count_nonzero(ended))
+        missing += int(np.count_nonzero(np.isnan(column(part, "escape_pitch_time"))[ended]))
     if 0 < missing < n:  # all missing: the scene times no such pitch
         yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
 

@@ -15,7 +15,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, numbered, vectors
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.errors import ResultsError
-from porous_swim.results import TableInfo
+from porous_swim.tables import TableInfo
 
 PERSISTENCE_TIMES_WANTED = 10.0  # the ballistic start then changes a late slope by less than 1 %
 

@@ -8,9 +8,10 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column
-from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
+from porous_swim.analysis.estimates import Estimate, Swimmers, joined, ratio_of_sums
 from porous_swim.analysis.places import at_wall
-from porous_swim.analysis.residence import residence_lengths
+from porous_swim.analysis.residence import WHEN, residence_lengths
+from porous_swim.encounters import Encounters, parts_of
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Winding:
     """Fraction of the completed encounters that wound more than one turn."""
 
 
-def winding(encounters: pa.Table, colloids: pa.Table | None = None) -> Winding:
+def winding(encounters: pa.Table | Encounters, colloids: pa.Table | None = None) -> Winding:
     """Winding statistics of a table of encounters; errors are a jackknife over swimmers.
 
     There are none where `colloids` is a plane wall: nobody winds around it.
@@ -35,21 +36,33 @@ def winding(encounters: pa.Table, colloids: pa.Table | None = None) -> Winding:
     if colloids is not None and at_wall(colloids):
         nothing = Estimate.none("turns")
         return Winding(nothing, nothing, Estimate.none("turns U/a"), Estimate.none(""))
+    sums = joined(_sums(part) for part in parts_of(encounters, *WHEN, "winding", "signed_winding"))
+    n_rows = int(sums["rows"].sum())
+
+    def ratio(values: str, over: str, counted: str, unit: str) -> Estimate:
+        n = int(sums[counted].sum())
+        return Estimate(*ratio_of_sums(sums[values], sums[over]), n, n_rows - n, unit)
+
+    return Winding(
+        completed=ratio("turns_completed", "completed", "completed", "turns"),
+        net=ratio("net", "signed", "signed", "turns"),
+        rate=ratio("turns", "length", "ended", "turns U/a"),
+        above_one_turn=ratio("above", "completed", "completed", ""),
+    )
+
+
+def _sums(encounters: pa.Table) -> dict[str, np.ndarray]:
+    """Of each swimmer that occurs, over its encounters: turns, times and numbers."""
     turns = column(encounters, "winding")
     net = np.abs(column(encounters, "signed_winding"))
-    ended, seen = ~column(encounters, "end_censored"), ~column(encounters, "start_censored")
-    completed = ended & seen
-    swimmers = Swimmers.of(column(encounters, "swimmer"))
-
-    def ratio(values: np.ndarray, over: np.ndarray, counted: np.ndarray, unit: str) -> Estimate:
-        value, error = ratio_of_sums(swimmers.sums(values), swimmers.sums(over))
-        n = int(np.count_nonzero(counted))
-        return Estimate(value, error, n, len(counted) - n, unit)
-
+    ended = ~column(encounters, "end_censored")
+    completed = ended & ~column(encounters, "start_censored")
     signed = completed & ~np.isnan(net)
-    return Winding(
-        completed=ratio(np.where(completed, turns, 0.0), completed, completed, "turns"),
-        net=ratio(np.where(signed, net, 0.0), signed, signed, "turns"),
-        rate=ratio(turns, residence_lengths(encounters), ended, "turns U/a"),
-        above_one_turn=ratio(completed & (turns > 1.0), completed, completed, ""),
-    )
+    values = {
+        "rows": np.ones(len(turns)), "ended": ended, "completed": completed, "signed": signed,
+        "turns": turns, "length": residence_lengths(encounters),
+        "turns_completed": np.where(completed, turns, 0.0), "net": np.where(signed, net, 0.0),
+        "above": completed & (turns > 1.0),
+    }  # fmt: skip
+    swimmers = Swimmers.of(column(encounters, "swimmer"))
+    return {name: swimmers.sums(value) for name, value in values.items()}

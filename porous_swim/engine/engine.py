@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import taichi as ti
@@ -14,7 +16,8 @@ from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.laws import Laws, Numbers, flight_height
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
-from porous_swim.engine.records import News, Records
+from porous_swim.engine.news import News, NewsDesk
+from porous_swim.engine.records import Records
 from porous_swim.engine.state import Event, Int, Long, Phase, Status, Total, real_rows
 from porous_swim.engine.survey import Survey, make_survey
 from porous_swim.engine.swimmers import Rules, Swimmers
@@ -62,12 +65,15 @@ class Engine:
         laws: Laws, numbers: Numbers, hydrodynamics: type, variates: str | None, precision: str,
         integrator: str = "euler",
         law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int = LOG_ROWS,
+        news: bool = False, log_path: Path | None = None,
     ) -> None:  # fmt: skip
-        """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`."""
+        """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`.
+
+        `news` keeps what `news()` tells; many encounters wait in the file `log_path`, without one in memory.
+        """
         self.n_swimmers, self.step = len(position), 0
         self._field, self._numbers, self._chunk = field, numbers, chunk
         self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
-        self._news: list[News] = []
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
@@ -92,7 +98,8 @@ class Engine:
         shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
         self._log = Log(*(on_device(np.zeros((log_rows, n), t)) for n, t in shapes))
         self._log_rows = log_rows
-        self._records = Records(field, numbers.time_step, self.n_swimmers)
+        self._records = Records(field, numbers.time_step, self.n_swimmers, log_path)
+        self._desk = NewsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
         self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
 
     def advance(self, n_steps: int) -> None:
@@ -128,14 +135,13 @@ class Engine:
 
     def news(self) -> tuple[News, np.ndarray]:
         """What happened since this was last asked for; and how long, in steps, the encounters under way have lasted."""
+        assert self._desk is not None
         self._drain()
         who = np.flatnonzero(on_host(self._swimmers.int, Int.PHASE) == int(Phase.BOUND))
         host = on_host(self._swimmers.int, np.s_[Int.BOUND : Int.BOUND + 4, who]).T
         clock = on_host(self._swimmers.real, np.s_[real_rows(self._field.dimensions).start_clock, who])
         start = on_host(self._swimmers.long, np.s_[Long.START, who]) + clock.astype(np.float64)
-        news = [*self._news, self._records.under_way(who, host, start)]
-        self._news = []
-        return News.joined(news), self.step - start
+        return self._desk.take(who, host, start), self.step - start
 
     def survey(self, *, n_levels: int) -> Survey:
         """What is summed over all swimmers, with the present for its origin: see `survey`."""
@@ -146,11 +152,22 @@ class Engine:
             n_levels=n_levels,
         )  # fmt: skip
 
-    def encounters(self) -> dict[str, np.ndarray]:
-        """Columns of the encounter table, encounters under way included as censored; to be called at the end."""
+    def encounter_parts(self) -> Iterator[dict[str, np.ndarray]]:
+        """Columns of the encounter table up to now, in parts of whole swimmers: see `Records.parts`.
+
+        Encounters under way are included as censored.
+        """
         self._drain()
-        self._records.add(*self._host().open_rows(self.step), censored=True)
-        return self._records.columns()
+        yield from self._records.parts(*self._host().open_rows(self.step))
+
+    def encounters(self) -> dict[str, np.ndarray]:
+        """The same as one."""
+        parts = list(self.encounter_parts())
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def close(self) -> None:
+        """Forget what lies on disk."""
+        self._records.close()
 
     def _compile(
         self, hydrodynamics: type, variates: str | None, precision: str, integrator: str, shape: Shape
@@ -207,7 +224,9 @@ class Engine:
         """Take the rows of the log to the host."""
         n = min(int(self._total[Total.LOGGED]), self._log_rows)
         if n > 0:
-            self._news.append(self._records.add(*(on_host(array, np.s_[:n]) for array in self._log)))
+            rows = self._records.add(*(on_host(array, np.s_[:n]) for array in self._log))
+            if self._desk is not None:
+                self._desk.note(rows)
             self._total[Total.LOGGED] = 0
             to_device(self._total, self._swimmers.total)
 

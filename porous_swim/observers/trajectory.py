@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Frame
-from porous_swim.results import TRAJECTORY_SCHEMA, TableInfo
+from porous_swim.tables import TRAJECTORY_SCHEMA, TableInfo
 
 _NAMES = ["time", "swimmer", "colloid", "image_x", "image_y", "image_z", "state"]  # columns of few values
 _GROUP_ROWS = 1 << 17  # in a row group: 11 MB, large enough to compress, small enough to hold

@@ -1,0 +1,115 @@
+"""Rows of the encounter log as they pile up on the host, on disk as soon as there are many; read swimmer by swimmer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from porous_swim.engine.log import N_LOG_INTS, LogInt, LogLong, log_columns
+from porous_swim.errors import RunError
+
+PIECE = 1 << 19  # rows that wait in memory before they go to disk: some 100 MB
+SHELVES = 1024  # groups of consecutive swimmers, in the order of which a piece lies on disk
+PART = 1 << 18  # rows that are read at once, where no shelf has more
+
+
+def row_type(dimensions: int, real: np.dtype | type) -> np.dtype:
+    """A row of the log on the host; `end_censored` where the encounter was still under way."""
+    n_real = log_columns(dimensions).n_real
+    fields = [
+        ("real", real, n_real), ("int", np.int32, N_LOG_INTS), ("long", np.int64, len(LogLong)), ("end_censored", bool)
+    ]  # fmt: skip
+    return np.dtype(fields, align=True)
+
+
+class RowStore:
+    """Rows in pieces, each sorted by shelves; a piece is an array, or lies in the file at `path` from some byte on.
+
+    Without a `path` everything stays in memory. `RunError` where the file cannot be written or read.
+    """
+
+    def __init__(self, n_swimmers: int, path: Path | None = None, *, piece: int = PIECE, part: int = PART) -> None:
+        self._path, self._piece, self._part = path, piece, part
+        self._edges = np.linspace(0, n_swimmers, min(SHELVES, n_swimmers) + 1).astype(np.int64)
+        self._waiting: list[np.ndarray] = []
+        self._n_waiting = 0
+        self._pieces: list[np.ndarray | tuple[int, np.dtype]] = []
+        self._bounds: list[np.ndarray] = []  # of each piece: where its shelves begin and end
+
+    def add(self, rows: np.ndarray) -> None:
+        """Take rows in any order."""
+        self._waiting.append(rows)
+        self._n_waiting += len(rows)
+        if self._n_waiting >= self._piece:
+            self._shelve()
+
+    def parts(self, more: np.ndarray) -> Iterator[np.ndarray]:
+        """All rows and those of `more`, in parts that hold all rows of consecutive swimmers; not sorted within."""
+        self._shelve()
+        order, bounds = self._sorted(more)
+        more = more[order]
+        n_rows = np.cumsum(np.sum([np.diff(own) for own in (*self._bounds, bounds)], axis=0))
+        begin = 0
+        while begin < len(n_rows):
+            before = n_rows[begin - 1] if begin else 0
+            end = max(begin + 1, int(np.searchsorted(n_rows, before + self._part, side="right")))
+            own = [self._read(*piece, begin, end) for piece in zip(self._pieces, self._bounds, strict=True)]
+            # numpy 2.4 writes beyond its memory where it joins arrays of different structures
+            yield _joined([*(rows.astype(more.dtype, copy=False) for rows in own), more[bounds[begin] : bounds[end]]])
+            begin = end
+
+    def close(self) -> None:
+        """Remove the file."""
+        if self._path is not None:
+            self._path.unlink(missing_ok=True)
+
+    def _sorted(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """An order of rows by shelves, and where in it these begin and end."""
+        swimmer = rows["int"][:, LogInt.SWIMMER]
+        order = np.argsort(swimmer, kind="stable")
+        return order, np.searchsorted(swimmer[order], self._edges)
+
+    def _shelve(self) -> None:
+        """Sort the rows that wait into one piece; it goes to disk unless it is the only one."""
+        if not self._waiting:
+            return
+        rows = _joined(self._waiting)
+        order, bounds = self._sorted(rows)
+        rows = rows[order]
+        full = self._path is not None and len(rows) >= self._piece
+        self._pieces.append(self._write(rows) if full else rows)
+        self._bounds.append(bounds)
+        self._waiting, self._n_waiting = [], 0
+
+    def _write(self, rows: np.ndarray) -> tuple[int, np.dtype]:
+        assert self._path is not None
+        try:
+            with self._path.open("ab") as file:
+                byte = file.tell()
+                file.write(rows.data)
+        except OSError as error:
+            raise self._failure("written", error) from None
+        return byte, rows.dtype
+
+    def _read(self, piece: np.ndarray | tuple[int, np.dtype], bounds: np.ndarray, begin: int, end: int) -> np.ndarray:
+        """The rows of a piece on the shelves from `begin` up to `end`."""
+        first, last = int(bounds[begin]), int(bounds[end])
+        if isinstance(piece, np.ndarray):
+            return piece[first:last]
+        assert self._path is not None
+        byte, dtype = piece
+        try:
+            return np.fromfile(self._path, dtype, last - first, offset=byte + first * dtype.itemsize)
+        except OSError as error:
+            raise self._failure("read", error) from None
+
+    def _failure(self, done: str, error: OSError) -> RunError:
+        return RunError(f"{self._path}: the encounters cannot be {done}: {error.strerror or error}")
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    """Rows of one type."""
+    kept = [part for part in parts if len(part)] or parts[:1]
+    return np.concatenate(kept) if len(kept) > 1 else kept[0]
