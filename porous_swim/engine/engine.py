@@ -33,7 +33,8 @@ LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread 
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
 BLOCKS = 8  # at least, to a thread
 CHUNK = 5  # steps between looks at events
-LOG_ROWS = 8192
+LOG_ROWS = 1 << 15  # at least: the kernel stops when half of them are used
+SWIMMERS_TO_A_ROW = 16
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
 # Threads of a group on a GPU; the last group is filled with lanes that idle. In a group filled in part llvmpipe
 # (Mesa 22.3) stops every thread behind its first loop that holds an atomic operation.
@@ -64,7 +65,7 @@ class Engine:
         self, backend: Backend, field: ObstacleField, position: np.ndarray, director: np.ndarray, *,
         laws: Laws, numbers: Numbers, hydrodynamics: type, variates: str | None, precision: str,
         integrator: str = "euler",
-        law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int = LOG_ROWS,
+        law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int | None = None,
         news: bool = False, log_path: Path | None = None,
     ) -> None:  # fmt: skip
         """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`.
@@ -96,8 +97,8 @@ class Engine:
         self._load(position, director, laws, np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of)
         columns = log_columns(field.dimensions)
         shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
-        self._log = Log(*(on_device(np.zeros((log_rows, n), t)) for n, t in shapes))
-        self._log_rows = log_rows
+        self._log_rows = log_rows or max(LOG_ROWS, self.n_swimmers // SWIMMERS_TO_A_ROW)
+        self._log = Log(*(on_device(np.zeros((self._log_rows, n), t)) for n, t in shapes))
         self._records = Records(field, numbers.time_step, self.n_swimmers, log_path)
         self._desk = NewsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
         self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
