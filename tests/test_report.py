@@ -386,6 +386,18 @@ def test_means_by_radius_are_time_over_ends_of_each():
         assert row[4] == f"{len(length)}"
 
 
+def test_pictures_of_very_many_encounters_show_some_swimmers_and_say_so(runs, monkeypatch, tmp_path):
+    monkeypatch.setattr("porous_swim.reporting.run.MANY", 25)
+    results = runs["crystal"]
+    step = -(-len(results.encounters) // 25)
+    assert step > 2
+    (run,) = runs_of([results])
+    swimmers = results.encounters.column("swimmer").to_numpy()
+    assert run.encounters.column("swimmer").to_pylist() == swimmers[swimmers % step == 0].tolist()
+    page = Page(ps.report(results, tmp_path))
+    assert f"distributions and hops of {len(swimmers)} encounters are those of one swimmer in {step}" in page.source
+
+
 @pytest.fixture
 def called(monkeypatch, capsys):
     """Call the command line here: its exit status, stdout and stderr."""

@@ -66,7 +66,7 @@ def table_by_radius(runs: Sequence[Run]) -> list[Table]:
     """Mean residence and winding for each radius that was met; no table where there is one radius, or too many."""
     rows: list[list[Cell]] = []
     for run in runs:
-        parts = analysis.by_radius(run.results.encounters, run.results.colloids)
+        parts = analysis.by_radius(run.encounters, run.results.colloids)
         for radius, part in parts.items() if 1 < len(parts) <= MOST_RADII else ():
             times, turns = analysis.residence_times(part), analysis.winding(part)
             rows.append(

@@ -25,7 +25,7 @@ def section(runs: Sequence[Run]) -> Section:
     panels: dict[str, list[Shown[survival.Survival]]] = {}
     missing, text, fitted = [], [], []
     for run in runs:
-        encounters = run.results.encounters
+        encounters = run.encounters
         if len(encounters) == 0:
             missing.append(run.says("No swimmer met a colloid: there are no residence times."))
             continue

@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from porous_swim.analysis import hop_table
 from porous_swim.analysis.places import at_wall
+from porous_swim.encounters import MANY
 from porous_swim.errors import SceneError
 from porous_swim.obstacles.wall import Wall
 from porous_swim.parts import unit_vector
@@ -51,10 +52,20 @@ class Run:
             return None
         return unit_vector(self.scene.obstacles.normal, key="obstacles.normal", dimensions=self.results.info.dimensions)
 
+    @property
+    def encounters_of(self) -> int:
+        """Pictures of encounters and hops show every so-manieth swimmer, 1 for all: what they hold is bounded."""
+        return -(-len(self.results.stored) // MANY) or 1
+
+    @cached_property
+    def encounters(self) -> pa.Table:
+        """The encounters of those swimmers."""
+        return self.results.encounters if self.encounters_of == 1 else self.results.stored.of_every(self.encounters_of)
+
     @cached_property
     def hops(self) -> pa.Table:
         """The run's `hop_table`."""
-        return hop_table(self.results.encounters, self.results.colloids)
+        return hop_table(self.encounters, self.results.colloids)
 
     def says(self, sentence: str) -> str:
         """A sentence about this run, which names it where there are others."""

@@ -56,7 +56,7 @@ def _obstacle(run: Run) -> tuple[str, float]:
         return "The theory of trapping is for pushers; none is shown.", 0.0
     if scene.rotational_diffusion == 0.0:
         return "The theory of trapping needs noise; none is shown.", 0.0
-    radii = np.unique(analysis.encounter_radii(run.results.encounters, run.results.colloids))
+    radii = np.unique(analysis.encounter_radii(run.encounters, run.results.colloids))
     if len(radii) > 1:
         return "The theory of trapping is for colloids of one radius; none is shown.", 0.0
     pitch = analysis.theory.escape_angle(alpha, aspect_ratio=gamma, order="leading")

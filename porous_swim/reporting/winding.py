@@ -24,13 +24,13 @@ def section(runs: Sequence[Run]) -> Section:
         if run.at_wall:
             missing.append(run.says("Nobody winds around a plane wall."))
         elif _turns(run).size == 0:
-            n = len(run.results.encounters)
+            n = len(run.results.stored)
             missing.append(run.says(f"No encounter was completed ({n} under way): windings are not known."))
         else:
             completed.append(run)
     largest = max((float(np.max(_turns(run))) for run in completed), default=0.0)
     edges = np.linspace(0.0, largest if largest > 0.0 else 1.0, N_BINS + 1)
-    found: list[Shown[Orbits]] = [run.shows(orbits(run.results.encounters, edges=edges)) for run in completed]
+    found: list[Shown[Orbits]] = [run.shows(orbits(run.encounters, edges=edges)) for run in completed]
     rows = [[shown.label, *_row(shown.data)] for shown in found]
     header = ["run", "above one turn", "net above one turn", "counterclockwise", "completed", "censored"]
     return Section(
@@ -43,7 +43,7 @@ def section(runs: Sequence[Run]) -> Section:
 
 
 def _turns(run: Run) -> np.ndarray:
-    encounters = run.results.encounters
+    encounters = run.encounters
     return column(encounters, "winding")[~(column(encounters, "end_censored") | column(encounters, "start_censored"))]
 
 

@@ -114,4 +114,8 @@ def _what(run: Run) -> str:
     info, status = run.results.info, run.results.summary.get("status", "status not known")
     swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
     colloids = "a plane wall" if run.at_wall else colloids
-    return f"{swimmers}, {colloids}, {both(info.duration, 'a/U', run.scales)}, {status}"
+    parts = [swimmers, colloids, both(info.duration, "a/U", run.scales), status]
+    if run.encounters_of > 1:
+        n = len(run.results.stored)
+        parts.append(f"distributions and hops of {n:,} encounters are those of one swimmer in {run.encounters_of}")
+    return ", ".join(parts)
