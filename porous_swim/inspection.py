@@ -10,7 +10,7 @@ from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
 from porous_swim.engine.lags import n_levels
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.state import N_INTS, Long, real_rows
+from porous_swim.engine.state import Long, n_ints, real_rows
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
@@ -89,7 +89,9 @@ def _bytes_per_swimmer(scene: Scene) -> int:
     """Of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
     origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
-    return real_rows(d).n_memory * real + N_INTS * 4 + len(Long) * 8 + origins
+    located = scene.integrator == "located"
+    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
+    return rows[0] * real + rows[1] * 4 + len(Long) * 8 + origins
 
 
 def _time(seconds: Seconds) -> str:

@@ -11,7 +11,7 @@ import pytest
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
 from porous_swim.engine.records import Records
-from porous_swim.engine.state import Int, Status
+from porous_swim.engine.state import Event, Int
 from porous_swim.errors import DeviceError, RunError
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.engines import fcc, field_of, fingerprint, hexagonal, make_engine, released
@@ -199,7 +199,7 @@ def test_an_image_beyond_the_counter_stops_the_run():
     engine._swimmers.int.from_numpy(ints)
     with pytest.raises(RunError, match=r"swimmer 2 .* range of periodic images"):
         engine.advance(2000)
-    assert engine._swimmers.int.to_numpy()[Int.STATUS].tolist().count(int(Status.OUTSIDE)) == 1
+    assert np.count_nonzero(engine._swimmers.int.to_numpy()[Int.EVENT] & int(Event.HALT)) == 1
 
 
 def test_steps_count_beyond_32_bits():

@@ -8,15 +8,26 @@ from typing import Any
 import taichi as ti
 
 from porous_swim.engine.book import make_book
-from porous_swim.engine.encounters import make_encounters, make_orient
+from porous_swim.engine.encounters import make_encounters, make_orient, make_recall, make_threshold
 from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
 from porous_swim.engine.move import make_step
 from porous_swim.engine.reflect import make_reflect
 from porous_swim.engine.rows import make_vectors, make_wide
 from porous_swim.engine.settle import make_settle
-from porous_swim.engine.state import N_SHARED_INTS, Event, Int, LaneInt, Law, Long, Total, real_rows
-from porous_swim.engine.swimmers import Rules, Swimmers
+from porous_swim.engine.state import (
+    N_LANE_INTS,
+    PHASE_BIT,
+    Event,
+    Int,
+    LaneInt,
+    Law,
+    Long,
+    Total,
+    clock_of_events,
+    real_rows,
+)
+from porous_swim.engine.swimmers import Rules, Swimmers, put_image, set_of
 from porous_swim.obstacles.search import Medium
 from porous_swim.physics.contact import HardContact, Shape
 from porous_swim.physics.euler import make_euler
@@ -62,21 +73,29 @@ def make_mover(structure: Structure):
 
 
 @cache
-def make_lanes(real, dimensions: int, flights: bool):
+def make_lanes(real, dimensions: int, threshold, integrator: str, flights: bool):
     """Return `load` and `store`, between memory and lane j of a block."""
-    rows = real_rows(dimensions)
+    located, middle = integrator == "located", clock_of_events(integrator)
+    rows = real_rows(dimensions, located=located)
+    recall = make_recall(located)
+    get_image, _ = make_vectors(3)
 
     @ti.func
-    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), rules: ti.template(), fresh):
+    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+             rules: ti.template(), fresh):  # fmt: skip
         """Take swimmer i into the lane; where the launch is `fresh` it is at its first step."""
         for row in ti.static(range(rows.n_shared)):
             f[row][j] = swimmers.real[row, i]
-        for row in ti.static(range(N_SHARED_INTS)):
-            n[row][j] = swimmers.int[row, i]
-        if fresh != 0:
-            n[Int.STEP][j] = 0
+        word = swimmers.int[int(Int.EVENT), i]
+        n[Int.EVENT][j], n[LaneInt.PHASE][j] = word & ((1 << PHASE_BIT) - 1), word >> PHASE_BIT
+        n[Int.STEP][j] = ti.select(fresh != 0, 0, swimmers.int[int(Int.STEP), i])
         for k in ti.static(range(int(Law.ESCAPE_SINE))):
-            f[rows.alpha + k][j] = swimmers.law[swimmers.int[int(Int.SET), i], k]
+            f[rows.alpha + k][j] = swimmers.law[set_of(swimmers, i), k]
+        b = ti.max(swimmers.int[int(Int.BOUND), i], 0)
+        f[rows.escape_sine][j] = threshold(swimmers, medium, i, b, f[rows.alpha][j], f[rows.gamma][j])
+        if ti.static(not located):
+            f[rows.clock][j] = ti.select(rules.first + n[Int.STEP][j] > 0, real(middle), real(0.0))
+        recall(n, j, i, swimmers)
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
         n[Int.EVENT][j] |= int(Event.ORIENT)
         n[LaneInt.SWIMMER][j] = i
@@ -90,8 +109,11 @@ def make_lanes(real, dimensions: int, flights: bool):
         if i >= 0:
             for row in ti.static(range(rows.n_shared)):
                 swimmers.real[row, i] = f[row][j]
-            for row in ti.static(range(N_SHARED_INTS)):
-                swimmers.int[row, i] = n[row][j]
+            swimmers.int[int(Int.STEP), i] = n[Int.STEP][j]
+            swimmers.int[int(Int.EVENT), i] = n[Int.EVENT][j] | n[LaneInt.PHASE][j] << PHASE_BIT
+            if ti.static(located):
+                swimmers.int[int(Int.STRUCK), i] = n[LaneInt.STRUCK][j]
+                put_image(swimmers, int(Int.STRUCK_IMAGE), i, get_image(n, LaneInt.STRUCK_IMAGE, j))
             if n[LaneInt.RELEASE][j] >= 0:
                 swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
             swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
@@ -108,9 +130,9 @@ def make_lanes(real, dimensions: int, flights: bool):
 def make_advance(structure: Structure):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
     real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
-    rows = real_rows(dimensions)
     contact_height = HardContact.make_height(real, structure.shape)
     located, surface = structure.integrator == "located", structure.surface
+    rows = real_rows(dimensions, located=located)
     step = make_mover(structure)
     sphere, integrator = structure.shape == "sphere", structure.integrator
     book = make_book(real, dimensions, surface, integrator, structure.flights)
@@ -118,11 +140,11 @@ def make_advance(structure: Structure):
     get, put = make_vectors(dimensions)
     settle = make_settle(real, dimensions, contact_height, sphere, surface, integrator)
     orient = make_orient(real, dimensions, located)
-    encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator == "reflected")
+    encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator)
     to = make_surface(real, surface)
-    load, store = make_lanes(real, dimensions, structure.flights)
+    threshold = make_threshold(real, contact_height, sphere, surface)
+    load, store = make_lanes(real, dimensions, threshold, integrator, structure.flights)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
-    n_ints = len(LaneInt) + N_SHARED_INTS
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
 
@@ -194,7 +216,7 @@ def make_advance(structure: Structure):
             if t % stride == 0:
                 i, end = t // stride * share, ti.min((t // stride + 1) * share, state_int.shape[1])
                 f = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
-                n = [WideInt(0) for _ in ti.static(range(n_ints))]
+                n = [WideInt(0) for _ in ti.static(range(N_LANE_INTS))]
                 n[LaneInt.SWIMMER], n[Int.EVENT] = WideInt(-1), WideInt(int(Event.HALT))
                 busy = 1
                 while busy != 0:
@@ -206,7 +228,7 @@ def make_advance(structure: Structure):
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
                             store(f, n, j, swimmers, first)
                             if i < end:
-                                load(f, n, j, i, swimmers, rules, fresh)
+                                load(f, n, j, i, swimmers, medium, rules, fresh)
                                 i += 1
                                 busy = 1
                     if moving != 0:

@@ -10,14 +10,13 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.rows import make_wide
-from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
+from porous_swim.engine.state import MIDDLE, Event, Int, LaneInt, Phase, real_rows
 from porous_swim.physics.bridge import NEAREST, crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import pick
 
 TWO_PI = 6.283185307179586
-MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
 
 
 @ti.func
@@ -85,7 +84,7 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
     of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
     """
     located, reflected = integrator == "located", integrator == "reflected"
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=located)
     whole, put_whole = make_wide(dimensions)
     turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
     if surface == "plane":
@@ -134,8 +133,6 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
             clock = ti.select(ends, real(0.0), f[rows.trial_clock])
             after = ti.select(ends, after, after - 1)
             f[rows.release_clock] = ti.select(at_wall, clock, f[rows.release_clock])
-        if ti.static(reflected):
-            f[rows.release_clock] = ti.select(at_wall, real(MIDDLE), f[rows.release_clock])
         n[LaneInt.RELEASE] = ti.select(at_wall, after, n[LaneInt.RELEASE])
         f[rows.release_sine] = ti.select(at_wall, s, f[rows.release_sine])
         f[rows.release_winding] = ti.select(at_wall, f[rows.winding], f[rows.release_winding])
@@ -185,7 +182,7 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
         r0, r1 = x0 + offset, x1 + offset
         R = to.distance(r1)
         s = to.sine(r1, e1, R)
-        is_bound = n[Int.PHASE] == int(Phase.BOUND)
+        is_bound = n[LaneInt.PHASE] == int(Phase.BOUND)
         bound, free = on & is_bound, on & (not is_bound)
         h = R - f[rows.bound_A]
         left, passed = h > rules.escape_height, s > f[rows.escape_sine]

@@ -8,11 +8,44 @@ import taichi as ti
 from porous_swim.engine.log import make_log
 from porous_swim.engine.rows import make_vectors
 from porous_swim.engine.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
-from porous_swim.engine.swimmers import image_of, put_image, same
+from porous_swim.engine.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
 from porous_swim.obstacles.search import make_between
 from porous_swim.physics.lift_off import make_lift_off_sine
 from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import pick, vec
+
+
+@ti.func
+def base_image(n: ti.template(), j, i, swimmers: ti.template()):
+    """The image that `TOUCHED_IMAGE` is told from: that of the encounter, without one that of the nearest colloid."""
+    bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
+    return pick(bound, image_of(swimmers, int(Int.BOUND_IMAGE), i), image_of(swimmers, int(Int.IMAGE), i))
+
+
+@ti.func
+def put_touched(n: ti.template(), j, i, swimmers: ti.template(), k, image):
+    """Note that swimmer i has touched colloid k; without an encounter, that it is to begin one there."""
+    swimmers.int[int(Int.TOUCHED), i] = k
+    swimmers.int[int(Int.TOUCHED_IMAGE), i] = packed(image, base_image(n, j, i, swimmers))
+
+
+@cache
+def make_recall(located: bool):
+    """Return `recall(n, j, i, swimmers)`, which tells the lane what swimmer i has struck."""
+    _, put = make_vectors(3)
+
+    @ti.func
+    def recall(n: ti.template(), j, i, swimmers: ti.template()):
+        k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i).variable()
+        if ti.static(located):
+            k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
+        elif n[Int.EVENT][j] & int(Event.CONTACT):  # which waits for room in the log
+            k = swimmers.int[int(Int.TOUCHED), i]
+            image = unpacked(swimmers.int[int(Int.TOUCHED_IMAGE), i], base_image(n, j, i, swimmers))
+        n[LaneInt.STRUCK][j] = k
+        put(n, LaneInt.STRUCK_IMAGE, j, image)
+
+    return recall
 
 
 @cache
@@ -21,23 +54,24 @@ def make_orient(real, dimensions: int, located: bool):
 
     It makes the lane's relations between its nearest colloid and the colloid of its encounter.
     """
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=located)
     _, put = make_vectors(dimensions)
+    get_image, _ = make_vectors(3)
     between = make_between(real, dimensions)
 
     @ti.func
     def orient(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
         k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i).variable()
-        t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+        t, image_t = swimmers.int[int(Int.TOUCHED), i], touched_image(swimmers, i)
         none = b < 0
         b, image_b = ti.select(none, k, b), pick(none, image, image_b)
-        struck, image_s = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
-        bound = n[Int.PHASE][j] == int(Phase.BOUND)
+        struck, image_s = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+        bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
         own = bound & same(k, image, b, image_b)
         known = same(struck, image_s, b, image_b) | same(struck, image_s, t, image_t)
         news = (not bound) | (not known)
-        awaited = (n[Int.PHASE][j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
+        awaited = (n[LaneInt.PHASE][j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A][j], f[rows.bound_A][j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
         if ti.static(located):
@@ -54,15 +88,31 @@ def make_orient(real, dimensions: int, located: bool):
 
 
 @cache
-def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface, reflected: bool):
+def make_threshold(real, contact_height, sphere: bool, surface: Surface):
+    """Return `threshold(swimmers, medium, i, k, alpha, gamma)`: the sine of swimmer i's escape pitch at colloid k."""
+    lift_off_sine = make_lift_off_sine(real, contact_height, sphere, surface)
+
+    @ti.func
+    def threshold(swimmers: ti.template(), medium: ti.template(), i, k, alpha, gamma):
+        sine = swimmers.law[set_of(swimmers, i), int(Law.ESCAPE_SINE)]
+        if sine < real(-1.0):
+            sine = lift_off_sine(medium.radius[k], alpha, gamma)
+        return sine
+
+    return threshold
+
+
+@cache
+def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
     """Return `capture(f, n, j, i, swimmers, medium, rules, k, image, struck)`, which opens an encounter with colloid k.
 
     `struck` says whether it begins at the wall; it does not in a direct hop.
     """
-    rows = real_rows(dimensions)
+    reflected, located = integrator == "reflected", integrator == "located"
+    rows = real_rows(dimensions, located=located)
     get, _ = make_vectors(dimensions)
     between = make_between(real, dimensions)
-    lift_off_sine = make_lift_off_sine(real, contact_height, sphere, surface)
+    threshold_at = make_threshold(real, contact_height, sphere, surface)
     to = make_surface(real, surface)
 
     @ti.func
@@ -81,7 +131,7 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
         swimmers.int[int(Int.TOUCHED), i] = -1
-        n[Int.PHASE][j] = int(Phase.BOUND)
+        n[LaneInt.PHASE][j] = int(Phase.BOUND)
         nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
         r = (get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)).variable()
         e = get(f, rows.e, j)
@@ -100,9 +150,7 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         for row in ti.static(range(rows.winding, rows.min_height)):
             f[row][j] = real(0.0)
         f[rows.min_height][j], f[rows.max_height][j] = h, h
-        threshold = swimmers.law[swimmers.int[int(Int.SET), i], int(Law.ESCAPE_SINE)]
-        if threshold < real(-1.0):
-            threshold = lift_off_sine(medium.radius[k], f[rows.alpha][j], f[rows.gamma][j])
+        threshold = threshold_at(swimmers, medium, i, k, f[rows.alpha][j], f[rows.gamma][j])
         f[rows.escape_sine][j] = threshold
         f[rows.release_sine][j], f[rows.release_winding][j] = s, real(0.0)
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
@@ -111,8 +159,9 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
         swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
         swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
         swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
-        for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
-            f[row][j] = f[rows.clock][j]
+        if ti.static(located):
+            for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
+                f[row][j] = f[rows.clock][j]
         f[rows.contact_clock][j] = real(0.0)
         if ti.static(reflected):  # what is left of the step counts, and the push at first contact
             f[rows.push][j] = push
@@ -125,23 +174,25 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
 
 
 @cache
-def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface, reflected: bool):
+def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
     """
-    rows = real_rows(dimensions)
+    located = integrator == "located"
+    rows = real_rows(dimensions, located=located)
     get, _ = make_vectors(dimensions)
+    get_image, _ = make_vectors(3)
     between = make_between(real, dimensions)
-    capture = make_capture(real, dimensions, contact_height, sphere, surface, reflected)
+    capture = make_capture(real, dimensions, contact_height, sphere, surface, integrator)
     to = make_surface(real, surface)
-    log_row = make_log(real, dimensions)
+    log_row = make_log(real, dimensions, integrator)
 
     @ti.func
     def within_reach(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), reach):
         """Whether the colloid touched last in the encounter is no farther than `reach`."""
         near = False
-        t, image_t = swimmers.int[int(Int.TOUCHED), i], image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+        t, image_t = swimmers.int[int(Int.TOUCHED), i], touched_image(swimmers, i)
         if t >= 0:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             r = get(f, rows.x, j) + between(medium, t, image_t, k, image)
@@ -151,27 +202,27 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
     @ti.func
     def encounters(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
-        event, phase = n[Int.EVENT][j], n[Int.PHASE][j]
+        event, phase = n[Int.EVENT][j], n[LaneInt.PHASE][j]
         step = rules.first + n[Int.STEP][j]
         escaped = (event & int(Event.ESCAPE)) != 0
         passed, struck = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0
         bound = phase == int(Phase.BOUND)
         if passed & bound:
             swimmers.long[int(Long.PITCH), i] = step
-            f[rows.pitch_clock][j] = f[rows.clock][j]
+            if ti.static(located):
+                f[rows.pitch_clock][j] = f[rows.clock][j]
         late = passed & (phase == int(Phase.LEFT))
         written = True
         if escaped:  # a reflected path may have come back from there
             f[rows.max_height][j] = ti.max(f[rows.max_height][j], rules.escape_height)
         if escaped | late:
             written = log_row(f, n, j, i, swimmers, log, step, late)
+        k, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+        if struck & (bound | (not written)):  # before an escape in the same step: the next one begins at the last
+            put_touched(n, j, i, swimmers, k, image)
         if written:
             n[Int.EVENT][j] = int(Event.ORIENT)
             target, target_image = -1, vec(0, 0, 0).variable()
-            k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
-            if struck & bound:  # noted before an escape in the same step: the last touched is where the next one begins
-                swimmers.int[int(Int.TOUCHED), i] = k
-                put_image(swimmers, int(Int.TOUCHED_IMAGE), i, image)
             if late:
                 swimmers.long[int(Long.PITCH), i] = step
                 phase = int(Phase.FREE)
@@ -182,9 +233,9 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
                 phase = ti.select(awaited, int(Phase.LEFT), int(Phase.FREE))
                 if within_reach(f, j, i, swimmers, medium, rules.escape_height):  # a direct hop
                     target = swimmers.int[int(Int.TOUCHED), i]
-                    target_image = image_of(swimmers, int(Int.TOUCHED_IMAGE), i)
+                    target_image = touched_image(swimmers, i)
                 swimmers.int[int(Int.TOUCHED), i] = -1
-            n[Int.PHASE][j] = phase
+            n[LaneInt.PHASE][j] = phase
             if struck & (not bound):
                 target, target_image = k, image
             if target >= 0:

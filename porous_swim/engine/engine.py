@@ -18,7 +18,8 @@ from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.news import News, NewsDesk
 from porous_swim.engine.records import Records
-from porous_swim.engine.state import Event, Int, Long, Phase, Status, Total, real_rows
+from porous_swim.engine.settle import MAX_IMAGE
+from porous_swim.engine.state import Event, Int, Total
 from porous_swim.engine.survey import Survey, make_survey
 from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.engine.transfer import on_host, to_device
@@ -43,10 +44,8 @@ GROUP = 128
 LONGEST_LAUNCH = {"cpu": 1 << 20, "cuda": 1 << 20, "metal": 1 << 20, "vulkan": 4}
 PATIENCE = 8  # launches without any progress, which a device that keeps its word never needs
 WORD = 0xFFFFFFFF
-COMPLAINTS = {
-    Status.NOT_FINITE: "its position or director is not a finite number: the time step is too long for the flow there",
-    Status.OUTSIDE: "it has left the range of periodic images that can be counted",
-}
+NOT_FINITE = "its position or director is not a finite number: the time step is too long for the flow there"
+OUTSIDE = "it has left the range of periodic images that can be counted"
 
 
 def check_flights(backend: Backend, ticks: int) -> None:
@@ -75,6 +74,7 @@ class Engine:
         self.n_swimmers, self.step = len(position), 0
         self._field, self._numbers, self._chunk = field, numbers, chunk
         self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
+        self._integrator = integrator
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
@@ -138,10 +138,7 @@ class Engine:
         """What happened since this was last asked for; and how long, in steps, the encounters under way have lasted."""
         assert self._desk is not None
         self._drain()
-        who = np.flatnonzero(on_host(self._swimmers.int, Int.PHASE) == int(Phase.BOUND))
-        host = on_host(self._swimmers.int, np.s_[Int.BOUND : Int.BOUND + 4, who]).T
-        clock = on_host(self._swimmers.real, np.s_[real_rows(self._field.dimensions).start_clock, who])
-        start = on_host(self._swimmers.long, np.s_[Long.START, who]) + clock.astype(np.float64)
+        who, host, start = self._host().under_way()
         return self._desk.take(who, host, start), self.step - start
 
     def survey(self, *, n_levels: int) -> Survey:
@@ -185,7 +182,7 @@ class Engine:
         self._tableau = on_device(table.astype(self._real))
 
     def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
-        state = HostState.placed(self._field, position, director, law_of, self._real)
+        state = HostState.placed(self._field, self._integrator, position, director, law_of, self._real)
         law = laws.table(self._numbers.time_step).astype(self._real)
         arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))
         self._swimmers = Swimmers(*(on_device(array) for array in arrays))
@@ -232,7 +229,7 @@ class Engine:
             to_device(self._total, self._swimmers.total)
 
     def _host(self, n: int | None = None) -> HostState:
-        return HostState(self._field, *(on_host(array, np.s_[:, :n]) for array in self._swimmers[:3]))
+        return HostState(self._field, self._integrator, *(on_host(array, np.s_[:, :n]) for array in self._swimmers[:3]))
 
     def _complaint(self) -> RunError:
         """The sentence about the first swimmer that cannot go on."""
@@ -240,7 +237,6 @@ class Engine:
         i = int(np.flatnonzero(state.int[Int.EVENT] & int(Event.HALT))[0])
         step = self.step + int(state.int[Int.STEP, i])
         place = ", ".join(f"{x:.6g}" for x in state.snapshot().position[i])
-        why = COMPLAINTS[Status(int(state.int[Int.STATUS, i]))]
-        return RunError(
-            f"swimmer {i} stopped at step {step} (time {step * self._numbers.time_step:g}) near ({place}): {why}"
-        )
+        far = np.abs(state.int[Int.IMAGE : Int.IMAGE + 3, i]).max() > MAX_IMAGE
+        when = f"step {step} (time {step * self._numbers.time_step:g})"
+        return RunError(f"swimmer {i} stopped at {when} near ({place}): {OUTSIDE if far else NOT_FINITE}")

@@ -37,7 +37,7 @@ def make_get(dimensions: int):
 @cache
 def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface):
     """Return `switched` and `passed`, which say whether a move has gone beyond an event, and `is_low`."""
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=True)
     get = make_get(dimensions)
     search = make_search(real, dimensions, contact_height, sphere, surface)
     to = make_surface(real, surface)
@@ -73,7 +73,7 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
         sunk = R - f[rows.A][j] - least < -real(AT_WALL) * R
         r = x + get(f, rows.bound_offset, j)
         distance = to.distance(r)
-        bound = n[Int.PHASE][j] == int(Phase.BOUND)
+        bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
         left = bound & (distance - f[rows.bound_A][j] > rules.escape_height)
         pitched = (n[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > f[rows.escape_sine][j])
         crossed = bound & (is_low(f, j, rules, x, e) != low)
@@ -86,7 +86,7 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
 @cache
 def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool, surface: Surface):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lane if it waits for nothing."""
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=True)
     get, (_, put) = make_get(dimensions), make_vectors(dimensions)
     stride = make_stride(rate, real, dimensions, surface)
     book = make_book(real, dimensions, surface, "located")

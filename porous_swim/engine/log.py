@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from porous_swim.engine.rows import make_vectors
-from porous_swim.engine.state import Int, LaneInt, Long, Total, real_rows
+from porous_swim.engine.state import Int, LaneInt, Long, Total, clock_of_events, real_rows
 
 
 class Log(NamedTuple):
@@ -45,6 +45,13 @@ SCALARS = (
     "winding", "signed", "push", "min_height", "height", "max_height", "release_sine", "release_winding",
     "start_clock", "pitch_clock", "release_clock", "contact_clock",
 )  # fmt: skip
+CLOCKS = {"start_clock": LogLong.START, "pitch_clock": LogLong.PITCH, "release_clock": LogLong.RELEASE}
+
+
+def kept(dimensions: int, *, located: bool) -> tuple[str, ...]:
+    """Those of SCALARS that are rows of the state; the others follow from it, or there are none."""
+    missing = {*(() if dimensions == 2 else ("signed",)), *(() if located else CLOCKS)}
+    return tuple(name for name in SCALARS if name not in missing)
 
 
 @cache
@@ -59,13 +66,15 @@ def log_columns(dimensions: int) -> SimpleNamespace:
 
 
 @cache
-def make_log(real, dimensions: int):
+def make_log(real, dimensions: int, integrator: str):
     """Return `log_row(f, n, j, i, swimmers, log, step, late) -> whether there was room`.
 
     `late` writes only the passage of the escape pitch, for an encounter that was logged before.
     """
-    rows, columns = real_rows(dimensions), log_columns(dimensions)
-    pairs = tuple((getattr(columns, name), getattr(rows, name)) for name in SCALARS)
+    located, middle = integrator == "located", clock_of_events(integrator)
+    rows, columns = real_rows(dimensions, located=located), log_columns(dimensions)
+    pairs = tuple((getattr(columns, name), getattr(rows, name)) for name in kept(dimensions, located=located))
+    clocks = () if located else tuple((getattr(columns, name), int(CLOCKS[name])) for name in CLOCKS)
     get, _ = make_vectors(dimensions)
 
     @ti.func
@@ -86,6 +95,8 @@ def make_log(real, dimensions: int):
             log.real[slot, columns.exit_e + d] = e[d]
         for column, row in ti.static(pairs):
             log.real[slot, column] = f[row][j]
+        for column, happened in ti.static(clocks):
+            log.real[slot, column] = ti.select(log.long[slot, happened] > 0, real(middle), real(0.0))
 
     @ti.func
     def log_row(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), step, late):

@@ -28,7 +28,7 @@ def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it.
     `least` is the contact height of the trial above the nearest colloid.
     """
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=False)
     whole, _ = make_wide(dimensions)
     book = make_book(real, dimensions, surface, integrator, flights)
 
@@ -48,7 +48,7 @@ def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: 
 @cache
 def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lanes that wait for nothing."""
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
     end = make_end(real, dimensions, sphere, surface, "euler")
     to = make_surface(real, surface)

@@ -18,7 +18,7 @@ def make_reflect(
     real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, flights: bool
 ):  # fmt: skip
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lanes that wait for nothing."""
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
     end = make_end(real, dimensions, sphere, surface, "reflected", flights)
     to = make_surface(real, surface)
@@ -29,7 +29,7 @@ def make_reflect(
         law = [f[rows.alpha + k] for k in ti.static(range(4))]
         if ti.static(not flights):
             return rules.dt, law
-        flies = (n[Int.PHASE] == int(Phase.FREE)) & (n[LaneInt.AFTER] == 0)
+        flies = (n[LaneInt.PHASE] == int(Phase.FREE)) & (n[LaneInt.AFTER] == 0)
         far = flies & (to.distance(x) - A >= rules.flight_height)
         ticks = ti.cast(rules.flight_ticks, real)
         n[LaneInt.TICKS] = ti.select(far, rules.flight_ticks, 1)
@@ -57,7 +57,7 @@ def make_reflect(
         put_whole(f, rows.trial_rest, z - (x1 - free))
         put_whole(f, rows.trial_e, e)
         f[rows.height_excursion], f[rows.pitch_excursion] = deep, aside
-        counts = (n[LaneInt.OWN] != 0) | (n[Int.PHASE] != int(Phase.BOUND))
+        counts = (n[LaneInt.OWN] != 0) | (n[LaneInt.PHASE] != int(Phase.BOUND))
         f[rows.trial_push] = ti.select(counts, push, real(0.0))
         n[LaneInt.TOUCH] = ti.cast(push > real(0.0), ti.i32)
         end(f, n, on, rules, least)

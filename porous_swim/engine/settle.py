@@ -6,7 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.rows import make_vectors
-from porous_swim.engine.state import Event, Int, LaneInt, Phase, Status, real_rows
+from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
 from porous_swim.engine.swimmers import image_of, put_image, same
 from porous_swim.obstacles.search import make_between, make_search
 from porous_swim.physics.surface import Surface, make_surface
@@ -94,9 +94,10 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
     is set anew: half of the lead of the nearest surface, so that no other can be nearer within it. A swimmer no
     higher than `band` above contact touches, and so does one that a reflecting wall has pushed on its way.
     """
-    reflected = integrator == "reflected"
-    rows = real_rows(dimensions)
+    reflected, located = integrator == "reflected", integrator == "located"
+    rows = real_rows(dimensions, located=located)
     get, put = make_vectors(dimensions)
+    get_image, put_lane_image = make_vectors(3)
     between = make_between(real, dimensions)
     resolve = make_resolve(real, dimensions, contact_height, sphere, surface)
     to = make_surface(real, surface)
@@ -110,15 +111,15 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             f[rows.trial_push][j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
 
     @ti.func
-    def set_budget(f: ti.template(), j, i, y, found, swimmers: ti.template(), rules: ti.template()):
+    def set_budget(f: ti.template(), n: ti.template(), j, y, found, rules: ti.template()):
         budget = real(0.5) * (found.second - found.first)
         if ti.static(
             not sphere
         ):  # the second nearest may stop a rod that the nearest lets pass, or have it in its band
             budget = ti.min(budget, found.second - real(1.0) - ti.max(rules.contact_band, rules.tolerance))
         budget = ti.max(real(0.0), budget - rules.margin)
-        if ti.static(reflected):  # a later touch is that of the nearest
-            struck, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
+        if ti.static(not located):  # a later touch is that of the nearest
+            struck, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
             budget = ti.select(same(struck, image, found.near, found.image), budget, real(0.0))
         f[rows.budget][j] = budget * budget
         put(f, rows.reference, j, y)
@@ -140,12 +141,12 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             k, image = ti.select(push_k >= 0, push_k, k), pick(push_k >= 0, push_image, image)
         k, image = ti.select(deep, found.deep, k), pick(deep, found.deep_image, image)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
-        bound = n[Int.PHASE][j] == int(Phase.BOUND)
+        bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
         other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
         k, image = ti.select(other, before, k), pick(other, before_image, image)
         other = bound & (last >= 0) & (not same(last, last_image, b, image_b))
-        swimmers.int[int(Int.STRUCK), i] = ti.select(other, last, k)
-        put_image(swimmers, int(Int.STRUCK_IMAGE), i, pick(other, last_image, image))
+        n[LaneInt.STRUCK][j] = ti.select(other, last, k)
+        put_lane_image(n, LaneInt.STRUCK_IMAGE, j, pick(other, last_image, image))
 
     @ti.func
     def pair(i, swimmers: ti.template(), found, k, image):
@@ -157,8 +158,7 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         put_image(swimmers, int(Int.MATE_IMAGE), i, pick(stays, image_m, image))
 
     @ti.func
-    def stop(n: ti.template(), j, i, swimmers: ti.template(), status: ti.template()):
-        swimmers.int[int(Int.STATUS), i] = int(status)
+    def stop(n: ti.template(), j):
         n[Int.EVENT][j] = int(Event.HALT)
 
     @ti.func
@@ -169,14 +169,14 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
         x, y, e = get(f, rows.x, j), get(f, rows.trial_x, j), get(f, rows.trial_e, j)
         finite = (y.dot(y) < real(1e30)) & (e.dot(e) < real(1e30))
         if not finite:
-            stop(n, j, i, swimmers, Status.NOT_FINITE)
+            stop(n, j)
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             z, d, found, last, last_image, before, before_image = resolve(
                 medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma][j], rules.tolerance
             )
             push_off(f, j, y, z)
-            if ti.static(integrator == "located"):
+            if ti.static(located):
                 pair(i, swimmers, found, k, image)
             if not same(k, image, found.near, found.image):
                 shift = between(medium, found.near, found.image, k, image)
@@ -191,12 +191,12 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
                 n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image,
                 ti.select(pushed, k, -1), image,
             )  # fmt: skip
-            set_budget(f, j, i, z, found, swimmers, rules)
+            set_budget(f, n, j, z, found, rules)
             put(f, rows.trial_x, j, z)
             put(f, rows.trial_e, j, d)
             n[LaneInt.TOUCH][j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
-                    stop(n, j, i, swimmers, Status.OUTSIDE)
+                    stop(n, j)
 
     return settle

@@ -7,14 +7,6 @@ from functools import cache
 from types import SimpleNamespace
 
 
-class Status(IntEnum):
-    """Why a swimmer stopped; anything but OK ends the run."""
-
-    OK = 0
-    NOT_FINITE = 1
-    OUTSIDE = 2
-
-
 class Phase(IntEnum):
     """Where a swimmer stands in its life of encounters."""
 
@@ -36,29 +28,29 @@ class Event(IntFlag):
 
 
 class Int(IntEnum):
-    """Rows of 32-bit integers. The first three live in memory and in the lanes."""
+    """Rows of 32-bit integers. The first two live in memory and in the lanes."""
 
     STEP = 0  # steps since the first of this launch
-    EVENT = 1
-    PHASE = 2
+    EVENT = 1  # in memory with the phase, from PHASE_BIT on
     # in memory only
-    COLLOID = 3  # the nearest, from which the offset is measured
-    IMAGE = 4  # its periodic image, three rows
-    BOUND = 7  # the colloid of the present or latest encounter; -1 before the first
-    BOUND_IMAGE = 8
-    TOUCHED = 11  # another colloid touched during the encounter, the last such; -1 if none
-    TOUCHED_IMAGE = 12
-    STATUS = 15
-    SET = 16  # row of the table of parameter sets
-    STRUCK = 17  # the colloid that a contact is with: the nearest, but where several are touched
-    STRUCK_IMAGE = 18
-    MATE = 21  # of a swimmer between two colloids, the other one; -1 elsewhere (located events only)
-    MATE_IMAGE = 22
+    COLLOID = 2  # the nearest, from which the offset is measured
+    IMAGE = 3  # its periodic image, three rows
+    BOUND = 6  # the colloid of the present or latest encounter; -1 before the first
+    BOUND_IMAGE = 7
+    TOUCHED = 10  # another colloid touched during the encounter, the last such; -1 if none
+    TOUCHED_IMAGE = 11  # less that of the encounter, in one row: see `swimmers.packed`
+    SET = 12  # row of the table of parameter sets; where there is more than one
+    # where events are located only
+    STRUCK = 13
+    STRUCK_IMAGE = 14
+    MATE = 17  # of a swimmer between two colloids, the other one; -1 elsewhere
+    MATE_IMAGE = 18
 
 
 class LaneInt(IntEnum):
     """Rows of 32-bit integers that only the lanes have, behind their copies of the first rows of `Int`."""
 
+    PHASE = 2
     OWN = 3  # the nearest colloid is that of the encounter
     WATCH_CONTACT = 4  # contact with the nearest colloid is news
     WATCH_PITCH = 5  # the escape pitch has not been passed yet
@@ -71,6 +63,8 @@ class LaneInt(IntEnum):
     SWIMMER = 12  # number of the swimmer in the lane; -1 if none
     TICKS = 13  # steps that the trial move takes at once: several in a flight far from every colloid
     AFTER = 14  # steps since the last one at which a flight may begin
+    STRUCK = 15  # the colloid that a contact is with: the nearest, but where several are touched
+    STRUCK_IMAGE = 16  # three rows
 
 
 class Long(IntEnum):
@@ -94,8 +88,19 @@ class Total(IntEnum):
     HALTED = 6
 
 
-N_SHARED_INTS = 3
-N_INTS = 25  # rows of `Int`, images taking three
+N_LANE_INTS = 19  # rows of the lanes, an image taking three
+PHASE_BIT = 8
+MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
+
+
+def n_ints(*, located: bool, n_sets: int) -> int:
+    """Rows of `Int` in memory, images taking three."""
+    return 21 if located else 13 if n_sets > 1 else 12
+
+
+def clock_of_events(integrator: str) -> float | None:
+    """The clock of everything that happens in a step, but at the start of the run; None where each has its own."""
+    return {"euler": 0.0, "reflected": MIDDLE, "located": None}[integrator]
 
 
 class Law(IntEnum):
@@ -110,14 +115,13 @@ class Law(IntEnum):
 
 
 @cache
-def real_rows(dimensions: int) -> SimpleNamespace:
+def real_rows(dimensions: int, *, located: bool) -> SimpleNamespace:
     """Row numbers of the real arrays; `x` names the first of `dimensions` rows.
 
     The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
     in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
     `clock` is the part of the present step that is behind a swimmer, and `*_clock` what a number of whole steps
-    lacks: a scheme that ends steps only as wholes leaves them at zero, and one whose paths cross thresholds within a
-    step has them in its middle.
+    lacks: rows of their own where events are located; else see `clock_of_events`.
     """
     rows = SimpleNamespace()
 
@@ -130,18 +134,19 @@ def real_rows(dimensions: int) -> SimpleNamespace:
             start += 1
         return start
 
+    signed = "signed signed_rest " if dimensions == 2 else ""
+    clocks = " clock start_clock pitch_clock release_clock" if located else ""
     rows.n_shared = number(
         0,
         "x rest e reference",
-        "budget winding winding_rest signed signed_rest push push_rest height height_rest "
-        "min_height max_height release_sine release_winding escape_sine "
-        "clock start_clock pitch_clock release_clock contact_clock",
+        f"budget winding winding_rest {signed}push push_rest height height_rest "
+        f"min_height max_height release_sine release_winding contact_clock{clocks}",
     )
     rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
     rows.n_lanes = number(
         rows.n_shared,
         "bound_offset mate_offset trial_x trial_rest trial_e",
-        "A bound_A mate_A alpha bretherton kick turn gamma trial_push trial_clock trial_height "
-        "height_excursion pitch_excursion",
+        "A bound_A mate_A alpha bretherton kick turn gamma escape_sine trial_push trial_clock trial_height "
+        "height_excursion pitch_excursion" + ("" if located else " clock"),
     )
     return rows

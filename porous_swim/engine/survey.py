@@ -14,8 +14,8 @@ import numpy as np
 import taichi as ti
 
 from porous_swim.engine.medium import on_device
-from porous_swim.engine.state import Int, Law, Phase, real_rows
-from porous_swim.engine.swimmers import Swimmers, image_of
+from porous_swim.engine.state import PHASE_BIT, Int, Law, Phase, real_rows
+from porous_swim.engine.swimmers import Swimmers, image_of, set_of
 from porous_swim.engine.transfer import on_host
 from porous_swim.obstacles.search import Medium, make_between
 from porous_swim.physics.surface import Surface, make_surface
@@ -62,7 +62,7 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
 
     Levels are bits of `due` and `renew`; sums have a row for each level and group.
     """
-    rows = real_rows(dimensions)
+    rows = real_rows(dimensions, located=False)  # the first rows are the same for all
     between = make_between(real, dimensions)
     to = make_surface(real, surface)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
@@ -77,11 +77,11 @@ def make_survey(real, dimensions: int, contact_height, surface: Surface):
         """Whether swimmer i is bound, and whether it is in contact; as numbers."""
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
         k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        bound, low = swimmers.int[int(Int.PHASE), i] == int(Phase.BOUND), False
+        bound, low = swimmers.int[int(Int.EVENT), i] >> PHASE_BIT == int(Phase.BOUND), False
         if bound:
             r = vector(state, rows.x, i) + between(medium, b, image_b, k, image)
             R = to.distance(r)
-            gamma = law[swimmers.int[int(Int.SET), i], int(Law.GAMMA)]
+            gamma = law[set_of(swimmers, i), int(Law.GAMMA)]
             least = contact_height(to.sine(r, vector(state, rows.e, i), R), gamma, medium.radius[b])
             low = R - medium.radius[b] - least <= band
         return ti.cast(bound, real), ti.cast(low, real)

@@ -5,14 +5,18 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
+from porous_swim.engine.state import Int
 from porous_swim.physics.vectors import vec
+
+IMAGE_BITS = 10
+HALF_RANGE = 1 << (IMAGE_BITS - 1)  # periodic boxes from a colloid to another that is touched during its encounter
 
 
 class Swimmers(NamedTuple):
     """The state of all swimmers; rows in `state`."""
 
     real: Any  # (n_memory, n_swimmers)
-    int: Any  # (len(Int) and image rows, n_swimmers) i32
+    int: Any  # (n_ints, n_swimmers) i32
     long: Any  # (len(Long), n_swimmers) i64
     law: Any  # (n_sets, len(Law)) real
     total: Any  # (len(Total),) i64
@@ -47,6 +51,38 @@ def put_image(swimmers: ti.template(), row: ti.template(), i, image):
     """Store a periodic image in three rows of swimmer i."""
     for d in ti.static(range(3)):
         swimmers.int[row + d, i] = image[d]
+
+
+@ti.func
+def packed(image, other):
+    """How an image differs from another one near it, in one word."""
+    word = 0
+    for d in ti.static(range(3)):
+        word |= (image[d] - other[d] + HALF_RANGE) << (d * IMAGE_BITS)
+    return word
+
+
+@ti.func
+def unpacked(word, other):
+    """The image again."""
+    return vec(
+        *[((word >> (d * IMAGE_BITS)) & (2 * HALF_RANGE - 1)) - HALF_RANGE + other[d] for d in ti.static(range(3))]
+    )
+
+
+@ti.func
+def touched_image(swimmers: ti.template(), i):
+    """The image of the other colloid that swimmer i touched during its encounter."""
+    return unpacked(swimmers.int[int(Int.TOUCHED_IMAGE), i], image_of(swimmers, int(Int.BOUND_IMAGE), i))
+
+
+@ti.func
+def set_of(swimmers: ti.template(), i):
+    """The row of swimmer i in the table of parameter sets."""
+    row = 0
+    if swimmers.law.shape[0] > 1:
+        row = swimmers.int[int(Int.SET), i]
+    return row
 
 
 @ti.func
