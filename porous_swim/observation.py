@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow as pa
 
 from porous_swim.analysis.summary import summarize, summary_page
 from porous_swim.encounters import ENCOUNTERS, Encounters
@@ -23,6 +24,7 @@ from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.results import Results, RunFolder
+from porous_swim.stopwatch import Stopwatch
 from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
 
 if TYPE_CHECKING:
@@ -34,9 +36,11 @@ PACKAGES = ("taichi", "numpy", "scipy", "pyarrow", "rerun-sdk", "pydantic")
 class Observers:
     """Shows the frames of a run to all observers and makes its results of what they saw."""
 
-    def __init__(self, simulation: Simulation, folder: RunFolder | None, *, progress: bool, recording: bool) -> None:
+    def __init__(
+        self, simulation: Simulation, folder: RunFolder | None, watch: Stopwatch, *, progress: bool, recording: bool
+    ) -> None:
         scene = simulation.scene
-        self._simulation, self._folder = simulation, folder
+        self._simulation, self._folder, self._watch = simulation, folder, watch
         self.schedule = Every(scene.record_period)
         path = None if folder is None else folder.path
         recorded = np.arange(scene.n_recorded)
@@ -57,10 +61,13 @@ class Observers:
         if self._last[0] == self._simulation.step:
             return
         news = self._recording is not None and self._recording.wants_news
-        frame = self._simulation.frame(self._simulation.scene.n_recorded, news=news)
-        self._last = frame.step, frame.time
-        for observer in self._all:
-            observer.observe(frame)
+        with self._watch.timing("statistics"):
+            everyone = self._simulation.everyone()
+        with self._watch.timing("recording"):
+            frame = self._simulation.frame(self._simulation.scene.n_recorded, everyone=everyone, news=news)
+            self._last = frame.step, frame.time
+            for observer in self._all:
+                observer.observe(frame)
 
     def finish(self, *, interrupted: bool) -> None:
         """Let everyone close what is open."""
@@ -90,36 +97,44 @@ class Observers:
         self, status: str, encounters: Iterator[dict[str, np.ndarray]], *, time: float, rate: float | None,
         warnings: list[str],
     ) -> Results:  # fmt: skip
-        simulation, scene = self._simulation, self._simulation.scene
-        provenance = provenance_of(simulation) | {"swimmer_steps_per_second": rate}
-        info = replace(simulation.table_info(provenance), last_time=time)
+        provenance = provenance_of(self._simulation) | {"swimmer_steps_per_second": rate}
+        info = replace(self._simulation.table_info(provenance), last_time=time)
         interrupted = status != "finished"
-        self._trajectory.finish(interrupted=interrupted)
+        with self._watch.timing("recording"):
+            self._trajectory.finish(interrupted=interrupted)
+            stored, tables = self._tables(encounters, info)
+        with self._watch.timing("statistics"):
+            D_r, dimensions = self._simulation.scene.rotational_diffusion, info.dimensions
+            persistence = math.inf if D_r == 0.0 else 1.0 / ((dimensions - 1) * D_r)
+            statistics = summarize(
+                stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
+                persistence_time=persistence, warnings=warnings,
+            )  # fmt: skip
+        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
+        with self._watch.timing("recording"):
+            if self._recording is not None:
+                self._recording.set_summary(summary_page(summary))
+            self.finish(interrupted=interrupted)
+            results = Results(stored, **tables, summary=summary, folder=None, info=info)
+            if self._folder is None:
+                return results
+            with _writing(self._folder.path):
+                return self._folder.write(results, there=("encounters", "trajectory"))  # which are written
+
+    def _tables(
+        self, encounters: Iterator[dict[str, np.ndarray]], info: TableInfo
+    ) -> tuple[Encounters, dict[str, pa.Table]]:
+        """Encounters, on disk where there is a folder, and the other tables by name."""
         parts = (make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
         path = None if self._folder is None else self._folder.path / ENCOUNTERS
         with _writing(path):
             stored = Encounters.written(parts, path)
-        tables = {
-            "colloids": colloid_table(simulation.field, info),
+        return stored, {
+            "colloids": colloid_table(self._simulation.field, info),
             "timeseries": self._series.table(info),
-            "lags": lag_table(simulation, info),
+            "lags": lag_table(self._simulation, info),
             "trajectory": self._trajectory.table(info),
         }
-        D_r = scene.rotational_diffusion
-        persistence = math.inf if D_r == 0.0 else 1.0 / ((simulation.field.dimensions - 1) * D_r)
-        statistics = summarize(
-            stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
-            persistence_time=persistence, warnings=warnings,
-        )  # fmt: skip
-        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
-        if self._recording is not None:
-            self._recording.set_summary(summary_page(summary))
-        self.finish(interrupted=interrupted)
-        results = Results(stored, **tables, summary=summary, folder=None, info=info)
-        if self._folder is None:
-            return results
-        with _writing(self._folder.path):
-            return self._folder.write(results, there=("encounters", "trajectory"))  # which are written
 
     def _record(self, path: Path, recorded: np.ndarray) -> None:
         scene, field = self._simulation.scene, self._simulation.field
@@ -154,14 +169,14 @@ def _ended_by(columns: dict[str, np.ndarray], time: float) -> dict[str, np.ndarr
     return {name: column[seen] for name, column in columns.items()}
 
 
-def colloid_table(field: ObstacleField, info: TableInfo) -> Any:
+def colloid_table(field: ObstacleField, info: TableInfo) -> pa.Table:
     """The colloids as a table."""
     x, y, z = field.centers.T
     columns = dict(colloid=np.arange(len(x)), x=x, y=y, z=z, radius=field.radii)
     return make_table(COLLOIDS_SCHEMA, columns, info=info)
 
 
-def lag_table(simulation: Simulation, info: TableInfo) -> Any:
+def lag_table(simulation: Simulation, info: TableInfo) -> pa.Table:
     """Displacements of all swimmers over lags, as a table."""
     columns = simulation.lags.columns()
     columns["lag"] = columns["lag"] * simulation.scene.record_period * simulation.scene.run.time_step

@@ -98,11 +98,18 @@ class Simulation:
         """Move all swimmers by `n_steps`, whole flights of them. RunError where a swimmer cannot go on."""
         self.engine.advance(n_steps)
 
-    def frame(self, n: int | None = None, *, news: bool = True) -> Frame:
-        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`."""
+    def everyone(self) -> Ensemble:
+        """All swimmers together as they are now; takes in their displacements over lags, too, where a frame is due."""
+        return _ensemble(self.lags.note(self.step))
+
+    def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, news: bool = True) -> Frame:
+        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`.
+
+        `everyone` is what `everyone()` says, where that has been asked already.
+        """
+        everyone = self.everyone() if everyone is None else everyone
         now = self.engine.snapshot(n)
         new, under_way = self.engine.news() if news else (News.joined([]), np.zeros(0))
-        everyone = _ensemble(self.lags.note(self.step))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
@@ -187,11 +194,10 @@ def run_in(
             recording = recording and folder is not None
             log_path = None if folder is None else folder.path / ROWS
             simulation = Simulation(scene, start, news=recording, log_path=log_path)
-        observers = Observers(simulation, folder, progress=progress, recording=recording)
+        observers = Observers(simulation, folder, watch, progress=progress, recording=recording)
         try:
             rate = _advance(simulation, observers, interrupts, watch)
-            with watch.timing("tables and summary"):
-                results = observers.results(rate=rate)
+            results = observers.results(rate=rate)
         except RunError as error:
             observers.rescue(error)
             raise
@@ -208,8 +214,7 @@ def run_in(
 def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts, watch: Stopwatch) -> float | None:
     """Run to the end or to an interrupt; return swimmer-steps per second."""
     end, schedule = simulation.scene.n_steps, observers.schedule
-    with watch.timing("compiling"):  # also what looks
-        observers.observe()
+    observers.observe()
     observers.clock.start(step=0)
     begin, at_once = time.perf_counter(), simulation.scene.flight_ticks
     while simulation.step < end and not interrupts:
@@ -219,8 +224,7 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
             simulation.advance(min(at_once, due - simulation.step))
         at_once = _next_launch(at_once, time.perf_counter() - last, unit=simulation.scene.flight_ticks)
         if simulation.step == due:
-            with watch.timing("recording"):
-                observers.observe()
+            observers.observe()
     observers.observe()  # an interrupt may come between two frames
     steps = simulation.step * simulation.engine.n_swimmers
     return steps / (time.perf_counter() - begin) if steps > 0 else None

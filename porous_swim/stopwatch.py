@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
 class Stopwatch:
     """Seconds by what was done in them."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._clock = clock
         self.seconds: dict[str, float] = {}
 
     @contextmanager
     def timing(self, what: str) -> Iterator[None]:
         """Count the time of a block under `what`."""
-        begin = time.perf_counter()
+        begin = self._clock()
         try:
             yield
         finally:
-            self.seconds[what] = self.seconds.get(what, 0.0) + time.perf_counter() - begin
+            self.seconds[what] = self.seconds.get(what, 0.0) + self._clock() - begin
 
     def line(self) -> str:
         """For a log: the whole and its parts."""

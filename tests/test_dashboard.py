@@ -20,6 +20,7 @@ from porous_swim.observers import network
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
 from porous_swim.results import RunFolder
+from porous_swim.stopwatch import Stopwatch
 
 # a box so small that swimmers hop across its border; weaker dipoles than a crystal's leave sooner
 CHANGES = {"run.duration": 40.0, "swimmers.dipole_strength": 2.0}
@@ -179,7 +180,7 @@ def test_frames_tell_every_hop_once_and_as_soon_as_it_is_counted(noise, tmp_path
 @pytest.mark.parametrize("n_frames", [100, 107])  # of 200; every tenth is drawn, and has news
 def test_the_last_pictures_of_an_interrupted_run_tell_all_that_ended(n_frames, tmp_path: Path):
     simulation, folder = ps.Simulation(small(tmp_path, **{"record.every": 0.2})), RunFolder.at(tmp_path / "run")
-    observers = Observers(simulation, folder, progress=False, recording=True)
+    observers = Observers(simulation, folder, Stopwatch(), progress=False, recording=True)
     observers.observe()
     for _ in range(n_frames):
         simulation.advance(simulation.scene.record_period)

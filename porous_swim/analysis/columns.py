@@ -31,4 +31,6 @@ def numbered(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def time_order(encounters: pa.Table) -> np.ndarray:
     """Rows, (n_rows,), swimmer by swimmer, each in order of time (the order of equal times is kept)."""
-    return np.lexsort((column(encounters, "start_time"), column(encounters, "swimmer")))
+    start, swimmer = column(encounters, "start_time"), column(encounters, "swimmer")
+    later = (swimmer[1:] > swimmer[:-1]) | ((swimmer[1:] == swimmer[:-1]) & (start[1:] >= start[:-1]))
+    return np.arange(len(start)) if later.all() else np.lexsort((start, swimmer))  # as the tables of a run are

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -45,22 +45,27 @@ class Records:
 
     def _rows(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray, *, censored: bool = False) -> np.ndarray:
         rows = np.empty(len(real), row_type(self._field.dimensions, real.dtype))
-        rows["real"], rows["int"], rows["long"], rows["end_censored"] = real, integer, long, censored
+        rows["real"], rows["int"], rows["long"], rows["censored"] = real, integer, long, censored
         return rows
 
     def _clocked(self, real: np.ndarray, long: np.ndarray, which: LogLong) -> np.ndarray:
         """Times in steps, as real numbers."""
         return long[:, which] + real[:, getattr(self._columns, CLOCK[which])]
 
-    def _table(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+    def _table(self, rows: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
         c, d = self._columns, self._field.dimensions
-        rows = rows[
-            np.lexsort((rows["real"][:, c.start_clock], rows["long"][:, LogLong.START], rows["int"][:, LogInt.SWIMMER]))
-        ]
-        late = rows["long"][:, LogLong.END] < 0
-        rows, passages = rows[~late], rows[late]
-        real, integer, long = rows["real"].astype(np.float64), rows["int"], rows["long"].copy()
-        self._pass_late(integer, long, real, passages)
+        # field by field: numpy 2.4 writes beyond its memory where it joins arrays of different structures
+        real = np.concatenate([part["real"] for part in rows], dtype=np.float64)
+        integer, long, censored = (
+            np.concatenate([part[name] for part in rows]) for name in ("int", "long", "censored")
+        )
+        late = long[:, LogLong.END] < 0
+        passages = integer[late], long[late], real[late]
+        kept = np.flatnonzero(~late)
+        keys = real[kept, c.start_clock], long[kept, LogLong.START], integer[kept, LogInt.SWIMMER]
+        order = kept[np.lexsort(keys)]
+        real, integer, long, censored = real[order], integer[order], long[order], censored[order]
+        self._pass_late(integer, long, real, *passages)
         steps = {step: self._clocked(real, long, step) for step in LogLong}
         time = {step: np.where(long[:, step] >= 0, steps[step] * self._time_step, np.nan) for step in LogLong}
         n_steps = steps[LogLong.END] - steps[LogLong.START]
@@ -71,7 +76,7 @@ class Records:
         columns = dict(
             swimmer=integer[:, LogInt.SWIMMER], colloid=integer[:, LogInt.COLLOID],
             start_time=time[LogLong.START], end_time=time[LogLong.END],
-            start_censored=np.zeros(len(long), bool), end_censored=rows["end_censored"],
+            start_censored=np.zeros(len(long), bool), end_censored=censored,
             contact_time=time[LogLong.N_CONTACT], wall_push=real[:, c.push],
             winding=real[:, c.winding], signed_winding=real[:, c.signed] if d == 2 else np.full(len(long), np.nan),
             release_time=time[LogLong.RELEASE],
@@ -97,15 +102,18 @@ class Records:
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]
         return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True))
 
-    def _pass_late(self, integer: np.ndarray, long: np.ndarray, real: np.ndarray, late: np.ndarray) -> None:
+    def _pass_late(
+        self, integer: np.ndarray, long: np.ndarray, real: np.ndarray,
+        late_integer: np.ndarray, late_long: np.ndarray, late_real: np.ndarray,
+    ) -> None:  # fmt: skip
         """Give encounters the escape pitch that was passed after their end."""
-        if len(late) == 0:
+        if len(late_long) == 0:
             return
         lacking = np.flatnonzero(long[:, LogLong.PITCH] < 0)
-        swimmer = np.concatenate([integer[lacking, LogInt.SWIMMER], late["int"][:, LogInt.SWIMMER]])
-        start = np.concatenate([long[lacking, LogLong.START], late["long"][:, LogLong.START]])
+        swimmer = np.concatenate([integer[lacking, LogInt.SWIMMER], late_integer[:, LogInt.SWIMMER]])
+        start = np.concatenate([long[lacking, LogLong.START], late_long[:, LogLong.START]])
         order = np.lexsort((start, swimmer))  # a late passage stands behind its encounter: that came first
         passed = np.flatnonzero(order >= len(lacking))
         rows, late_rows = lacking[order[passed - 1]], order[passed] - len(lacking)
-        long[rows, LogLong.PITCH] = late["long"][late_rows, LogLong.PITCH]
-        real[rows, self._columns.pitch_clock] = late["real"][late_rows, self._columns.pitch_clock]
+        long[rows, LogLong.PITCH] = late_long[late_rows, LogLong.PITCH]
+        real[rows, self._columns.pitch_clock] = late_real[late_rows, self._columns.pitch_clock]

@@ -16,10 +16,10 @@ PART = 1 << 18  # rows that are read at once, where no shelf has more
 
 
 def row_type(dimensions: int, real: np.dtype | type) -> np.dtype:
-    """A row of the log on the host; `end_censored` where the encounter was still under way."""
+    """A row of the log on the host; `censored` where the encounter was still under way."""
     n_real = log_columns(dimensions).n_real
     fields = [
-        ("real", real, n_real), ("int", np.int32, N_LOG_INTS), ("long", np.int64, len(LogLong)), ("end_censored", bool)
+        ("real", real, n_real), ("int", np.int32, N_LOG_INTS), ("long", np.int64, len(LogLong)), ("censored", bool)
     ]  # fmt: skip
     return np.dtype(fields, align=True)
 
@@ -45,8 +45,11 @@ class RowStore:
         if self._n_waiting >= self._piece:
             self._shelve()
 
-    def parts(self, more: np.ndarray) -> Iterator[np.ndarray]:
+    def parts(self, more: np.ndarray) -> Iterator[list[np.ndarray]]:
         """All rows and those of `more`, in parts that hold all rows of consecutive swimmers; not sorted within."""
+        if not self._pieces and self._n_waiting + len(more) <= self._part:
+            yield [*self._waiting, more]
+            return
         self._shelve()
         order, bounds = self._sorted(more)
         more = more[order]
@@ -56,8 +59,7 @@ class RowStore:
             before = n_rows[begin - 1] if begin else 0
             end = max(begin + 1, int(np.searchsorted(n_rows, before + self._part, side="right")))
             own = [self._read(*piece, begin, end) for piece in zip(self._pieces, self._bounds, strict=True)]
-            # numpy 2.4 writes beyond its memory where it joins arrays of different structures
-            yield _joined([*(rows.astype(more.dtype, copy=False) for rows in own), more[bounds[begin] : bounds[end]]])
+            yield [*own, more[bounds[begin] : bounds[end]]]
             begin = end
 
     def close(self) -> None:
@@ -75,7 +77,7 @@ class RowStore:
         """Sort the rows that wait into one piece; it goes to disk unless it is the only one."""
         if not self._waiting:
             return
-        rows = _joined(self._waiting)
+        rows = np.concatenate(self._waiting)
         order, bounds = self._sorted(rows)
         rows = rows[order]
         full = self._path is not None and len(rows) >= self._piece
@@ -107,9 +109,3 @@ class RowStore:
 
     def _failure(self, done: str, error: OSError) -> RunError:
         return RunError(f"{self._path}: the encounters cannot be {done}: {error.strerror or error}")
-
-
-def _joined(parts: list[np.ndarray]) -> np.ndarray:
-    """Rows of one type."""
-    kept = [part for part in parts if len(part)] or parts[:1]
-    return np.concatenate(kept) if len(kept) > 1 else kept[0]
