@@ -33,7 +33,7 @@ from porous_swim.physics.located import tableau
 LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
 BLOCKS = 8  # at least, to a thread
-CHUNK = 5  # steps between looks at events
+CHUNK = 6  # steps between looks at events
 LOG_ROWS = 1 << 15  # at least: the kernel stops when half of them are used
 SWIMMERS_TO_A_ROW = 16
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
