@@ -137,6 +137,8 @@ def view(
     recording = run_folder / "recording.rrd"
     if not recording.is_file():
         raise ResultsError(f"{run_folder}: there is no recording.rrd in it")
+    if not web and sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
+        raise ResultsError("view: there is no display here; --web opens the recording in a browser")
     viewer = [sys.executable, "-m", "rerun", str(recording)]
     os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
 

@@ -24,6 +24,7 @@ from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.results import Results, RunFolder
+from porous_swim.scene_identity import portable
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
 
@@ -115,7 +116,9 @@ class Observers:
             if self._recording is not None:
                 self._recording.set_summary(summary_page(summary))
             self.finish(interrupted=interrupted)
-            results = Results(stored, **tables, summary=summary, folder=None, info=info)
+            results = Results(
+                stored, **tables, summary=summary, folder=None, info=info, scene=portable(self._simulation.scene)
+            )
             if self._folder is None:
                 return results
             with _writing(self._folder.path):

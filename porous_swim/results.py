@@ -9,7 +9,7 @@ import itertools
 import json
 import os
 import shutil
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -33,7 +33,7 @@ RUN_FILES = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Results:
     """What a run leaves: its tables (pyarrow), its summary, and its folder (None: kept in memory)."""
 
@@ -46,6 +46,17 @@ class Results:
     summary: dict[str, Any]
     folder: Path | None
     info: TableInfo
+    scene: Mapping[str, Any] | None = None
+    """What was run, as `Scene.from_mapping` takes it; None for results with a folder that were read: it is there."""
+
+    def __repr__(self) -> str:
+        """What they are of, in a line."""
+        name, status = self.info.provenance.get("scene", "a run"), self.summary.get("status", "status not known")
+        where = "in memory" if self.folder is None else f"in {self.folder}"
+        return (
+            f"<Results of {name}, {status}: {self.info.n_swimmers} swimmers, {self.info.duration:g} a/U, "
+            f"{len(self.stored)} encounters, {where}>"
+        )
 
     @cached_property
     def encounters(self) -> pa.Table:

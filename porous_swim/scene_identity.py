@@ -25,6 +25,14 @@ def resolved(scene: Scene) -> dict[str, Any]:
     return data
 
 
+def portable(scene: Scene) -> dict[str, Any]:
+    """Return the same with full paths of the files that it names: it loads from anywhere."""
+    data = resolved(scene)
+    for key, path in scene.files.items():
+        _section(data, key)["path"] = str(path.resolve())
+    return data
+
+
 def scene_hash(scene: Scene) -> str:
     """Return 16 hexadecimal digits that differ when the result could."""
     data = resolved(scene)

@@ -311,9 +311,19 @@ def test_view_becomes_the_rerun_viewer_of_the_recording(web, tmp_path, monkeypat
     (tmp_path / "recording.rrd").touch()
     seen: list[list[str]] = []
     monkeypatch.setattr(os, "execv", lambda _, command: seen.append(command))
+    monkeypatch.setenv("DISPLAY", ":0")
     cli.view(tmp_path, web=web)
     assert seen[0][1:4] == ["-m", "rerun", str(tmp_path / "recording.rrd")]
     assert ("--web-viewer" in seen[0]) == web
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="displays of other systems have no name")
+def test_view_without_a_display_says_so(tmp_path, monkeypatch):
+    (tmp_path / "recording.rrd").touch()
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(ps.ResultsError, match="no display here; --web opens"):
+        cli.view(tmp_path)
 
 
 def _wait_for(path: Path, seconds: float = 120.0) -> None:

@@ -41,6 +41,19 @@ def test_each_set_of_a_sweep_is_its_scene_run_alone_and_so_are_its_statistics(sc
         assert n_moves > 0
 
 
+def test_a_report_of_a_sweep_says_what_differs(scene, tmp_path):
+    swept = ps.sweep(scene, [{"swimmers.dipole_strength": strength} for strength in (0.5, 3.0)])
+    assert repr(swept[0]) == (
+        f"<Results of {scene.name}, finished: {scene.swimmers.count} swimmers, {DURATION:g} a/U, "
+        f"{len(swept[0].encounters)} encounters, in memory>"
+    )
+    page = ps.report(swept, tmp_path).read_text()
+    assert f"{scene.name} (dipole_strength 0.5) and {scene.name} (dipole_strength 3.0)</h1>" in page
+    row = '<th scope="row">swimmers.dipole_strength</th><td>0.5</td><td>3.0</td>'
+    assert row in page[page.index("What differs between the scenes.") :]
+    assert "not known here" not in page  # scenes kept in memory
+
+
 def test_a_set_that_is_no_scene_is_refused_before_anything_is_run(scene, tmp_path):
     with pytest.raises(ps.SceneError, match="dipole_strenth"):
         ps.sweep(scene, [*SETS, {"swimmers.dipole_strenth": 1.0}], out=tmp_path / "sweep")

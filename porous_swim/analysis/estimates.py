@@ -47,7 +47,7 @@ def value_and_error(value: float, error: float | None, *, digits: int = 4) -> st
     if error is None or not math.isfinite(error):
         return f"{value:.{digits}g}"
     if error == 0.0:
-        return f"{value:.6g} ± 0"
+        return f"{value:.6g}"  # all samples agree: they do not tell how far they are off
     place = 1 - math.floor(math.log10(error))
     if 0 <= place <= 6:
         return f"{value:.{place}f} ± {error:.{place}f}"

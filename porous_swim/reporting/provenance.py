@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from porous_swim.reporting.run import Run
+from porous_swim.reporting.run import Run, differences
 from porous_swim.reporting.section import Section, Table
 
 
@@ -17,9 +17,18 @@ def section(runs: Sequence[Run]) -> Section:
     rows = [[name, *(each.get(name, "") for each in found)] for name in names]
     return Section(
         "Provenance", "provenance",
-        tables=[Table(["", *(run.label for run in runs)], rows)],
+        tables=[Table(["", *(run.label for run in runs)], rows), *_differences(runs)],
         listings=[(run.says("scene.yaml"), text) for run in runs if (text := _scene_text(run))],
     )  # fmt: skip
+
+
+def _differences(runs: Sequence[Run]) -> list[Table]:
+    """What the scenes of several runs do not share."""
+    found = differences([run.scene for run in runs])
+    if not found:
+        return []
+    rows = [[key, *values] for key, values in found.items()]
+    return [Table(["key of the scene", *(run.label for run in runs)], rows, "What differs between the scenes.")]
 
 
 def _entries(run: Run) -> dict[str, str]:

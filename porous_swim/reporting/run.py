@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -20,6 +21,10 @@ from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown
 from porous_swim.results import Results
 from porous_swim.scene import Scene, load_scene
+from porous_swim.scene_identity import resolved
+
+_FOR_PEOPLE = ("name", "description", "record")
+_MOST_TOLD = 2  # keys in the name of a run
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +83,33 @@ class Run:
 
 def runs_of(every: Sequence[Results]) -> list[Run]:
     """Runs named by their folders, or by their scenes where they were kept in memory."""
-    labels = _labels(every)
+    scenes = [_scene(results) for results in every]
+    labels = _labels(every, differences([scene for scene, _ in scenes]))
     return [
-        Run(label, RUN_COLORS[i % len(RUN_COLORS)], results, *_scene(results), len(every))
-        for i, (label, results) in enumerate(zip(labels, every, strict=True))
+        Run(label, RUN_COLORS[i % len(RUN_COLORS)], results, *scene, len(every))
+        for i, (label, results, scene) in enumerate(zip(labels, every, scenes, strict=True))
     ]
+
+
+def differences(scenes: Sequence[Scene | None]) -> dict[str, list[str]]:
+    """Dotted keys in which scenes that are known differ, and what stands there in each; empty where there is nothing.
+
+    What is for people alone, and how a run is recorded, is left out.
+    """
+    found = [{} if scene is None else dict(_leaves(resolved(scene))) for scene in scenes]
+    known = [each for each in found if each]
+    keys = dict.fromkeys(key for each in known for key in each if key.split(".")[0] not in _FOR_PEOPLE)
+    return {
+        key: [each.get(key, "") for each in found] for key in keys if len({each.get(key, "") for each in known}) > 1
+    }
+
+
+def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in data.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", str(value)
 
 
 def scales_of(runs: Sequence[Run]) -> Scales | None:
@@ -90,8 +117,8 @@ def scales_of(runs: Sequence[Run]) -> Scales | None:
     return common([run.scales for run in runs])
 
 
-def _labels(every: Sequence[Results]) -> list[str]:
-    """Names of folders; whole paths where those do not differ, numbers where these do not either."""
+def _labels(every: Sequence[Results], differing: Mapping[str, Sequence[str]]) -> list[str]:
+    """Names of folders; whole paths where those do not differ; in memory what tells the scenes apart, or numbers."""
     names = [
         str(results.info.provenance.get("scene", "run")) if results.folder is None else results.folder.resolve().name
         for results in every
@@ -100,18 +127,26 @@ def _labels(every: Sequence[Results]) -> list[str]:
         names = [
             name if results.folder is None else str(results.folder) for name, results in zip(names, every, strict=True)
         ]
+    if len(set(names)) < len(names) and 0 < len(differing) <= _MOST_TOLD:
+        told = [
+            ", ".join(f"{key.rsplit('.', 1)[-1]} {values[i]}" for key, values in differing.items())
+            for i in range(len(names))
+        ]
+        names = [f"{name} ({what})" for name, what in zip(names, told, strict=True)]
     if len(set(names)) < len(names):
         names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
     return names
 
 
 def _scene(results: Results) -> tuple[Scene | None, str]:
-    if results.folder is None:
-        return None, "The run was kept in memory: what its scene says is not known here."
-    path = Path(results.folder) / "scene.yaml"
-    if not path.is_file():
-        return None, f"{path}: there is no such file, so what the scene says is not known."
+    if results.folder is None and results.scene is None:
+        return None, "The run was kept in memory without its scene: what that says is not known here."
     try:
+        if results.folder is None:
+            return Scene.from_mapping(results.scene or {}), ""
+        path = Path(results.folder) / "scene.yaml"
+        if not path.is_file():
+            return None, f"{path}: there is no such file, so what the scene says is not known."
         return load_scene(path), ""
     except SceneError as error:
         return None, f"The scene cannot be read, so what it says is not known: {error}"
