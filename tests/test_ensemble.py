@@ -11,7 +11,7 @@ from commands import SMALL
 import porous_swim as ps
 from porous_swim.analysis.ensemble import _windows
 from porous_swim.analysis.transport import tracks
-from porous_swim.tables import TableInfo
+from porous_swim.tables import LAGS_SCHEMA, TableInfo, make_table
 from tests import synthetic
 
 an = ps.analysis
@@ -162,3 +162,27 @@ def test_displacements_far_from_where_offsets_are_measured_keep_their_digits(tmp
     t, decay = squares.lag, 0.6
     expected = 6.0 * 0.05 * t + 2.0 / decay**2 * (decay * t - 1.0 + np.exp(-decay * t))
     assert np.all(np.abs(squares.value - expected) < 4.0 * squares.standard_error + 1e-3 * expected)
+
+
+@pytest.mark.parametrize(
+    ("correlation", "memory"),
+    [
+        (lambda lag: np.exp(-lag / 20.0), 16.0),  # the last lag up to the persistence time
+        (lambda lag: np.exp(-lag / 40.0) * np.cos(lag), 32.0),  # -0.64, 0.23, 0.37, -0.19 from 16 on
+        (lambda lag: np.exp(-lag / 0.5), 1.0),  # gone at the first lag
+        (lambda lag: np.ones_like(lag), np.inf),
+    ],
+)
+def test_directors_are_remembered_as_long_as_they_agree_or_disagree(correlation, memory):
+    lag = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 24.0, 32.0, 48.0])
+    n = len(lag)
+    rows = {
+        "lag": lag, "group": np.zeros(n), "n_swimmers": np.full(n, 10), "n_windows": np.ones(n), "msd": lag,
+        "fourth_moment": lag, "director_correlation": correlation(lag),
+    }  # fmt: skip
+    about = synthetic.info(n_swimmers=10)
+    found = an.director_memory(make_table(LAGS_SCHEMA, rows, info=about))
+    agree = np.abs(correlation(lag)) >= np.exp(-1.0)
+    assert found == memory
+    assert agree[lag > memory].sum() == 0
+    assert an.director_memory(make_table(LAGS_SCHEMA, {name: v[:0] for name, v in rows.items()}, info=about)) == np.inf

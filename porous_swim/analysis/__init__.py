@@ -12,6 +12,7 @@ from porous_swim.analysis.displacements import (
     non_gaussian_parameter,
 )
 from porous_swim.analysis.ensemble import (
+    director_memory,
     ensemble_diffusivity,
     ensemble_director_correlation,
     ensemble_msd,
@@ -112,6 +113,7 @@ __all__ = [
     "displacement_histogram",
     "effective_diffusivity",
     "encounter_radii",
+    "director_memory",
     "ensemble_diffusivity",
     "ensemble_director_correlation",
     "ensemble_msd",

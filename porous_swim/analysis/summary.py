@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column
 from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
-from porous_swim.analysis.ensemble import ensemble_diffusivity
+from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
@@ -41,12 +41,13 @@ def summarize(
 ) -> dict[str, Any]:
     """Statistics of a run, ready for JSON: each is `{value, standard_error, n, n_censored, unit}`.
 
-    The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, infinite
-    without noise. `warnings` come first in the list of warnings; what the numbers themselves give rise to
-    follows.
+    The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone, infinite
+    without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of warnings; what
+    the numbers themselves give rise to follows.
     """
     residence, passage = residence_times(encounters), escape_pitch_times(encounters)
     late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
+    persistence_time = min(persistence_time, director_memory(lags))
     shown = late.n_lags > 0 and (late.linear or late.value > 0.0)  # orbits come back: a slope below 0 is none
     reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
     found = [
@@ -140,7 +141,10 @@ def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persisten
     if late.n and not late.n_lags:
         yield none_for(late.n)
     elif late.n and math.isinf(persistence_time):
-        yield "Without rotational noise nothing makes the motion diffusive: the effective diffusivity means little."
+        yield (
+            "Swimmers keep their directors all through the run, and there is no rotational noise: the effective diffusivity "
+            "means little."
+        )
     elif late.n and duration < PERSISTENCE_TIMES_WANTED * persistence_time:
         yield (
             f"The effective diffusivity comes from a run of {duration:g} a/U, shorter than "

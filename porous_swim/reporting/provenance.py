@@ -43,6 +43,8 @@ def _entries(run: Run) -> dict[str, str]:
             entries[words] = ", ".join(f"{key} {version}" for key, version in value.items())
         elif isinstance(value, float):
             entries[words] = f"{value:.4g}"
+        elif name == "threads" and value is None and provenance.get("device") == "cpu":
+            entries[words] = "all of the processor's"
         else:
             entries[words] = "not known" if value is None else str(value)
     return entries
