@@ -40,8 +40,8 @@ def ensemble_director_correlation(lags: pa.Table) -> TimeAverages:
 def director_memory(lags: pa.Table) -> float:
     """The longest lag, a/U, at which directors still agree with themselves by 1/e or more, or as much point back.
 
-    Infinite where they do at the last lag, or where there is none. Of a persistent walk it is the persistence time; among
-    colloids noise need not be what turns directors, and orbits bring them back.
+    Infinite where they do at the last lag, or where there is none. Of a persistent walk it is the persistence time;
+    among colloids noise need not be what turns directors, and orbits bring them back.
     """
     found = ensemble_director_correlation(lags)
     if len(found.lag) == 0:

@@ -41,9 +41,9 @@ def summarize(
 ) -> dict[str, Any]:
     """Statistics of a run, ready for JSON: each is `{value, standard_error, n, n_censored, unit}`.
 
-    The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone, infinite
-    without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of warnings; what
-    the numbers themselves give rise to follows.
+    The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone,
+    infinite without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of
+    warnings; what the numbers themselves give rise to follows.
     """
     residence, passage = residence_times(encounters), escape_pitch_times(encounters)
     late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
@@ -142,8 +142,8 @@ def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persisten
         yield none_for(late.n)
     elif late.n and math.isinf(persistence_time):
         yield (
-            "Swimmers keep their directors all through the run, and there is no rotational noise: the effective diffusivity "
-            "means little."
+            "Swimmers keep their directors all through the run, and there is no rotational noise: the effective "
+            "diffusivity means little."
         )
     elif late.n and duration < PERSISTENCE_TIMES_WANTED * persistence_time:
         yield (
