@@ -1,12 +1,13 @@
 """The table of encounters, which may be larger than memory: as a whole, or in parts of whole swimmers.
 
-Every statistic is a sum over swimmers, so that it can be had part by part.
+Most statistics are sums over swimmers, which can be had part by part; others need a column or two of all rows.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -65,10 +66,15 @@ class Encounters:
                 writer = writer or writer_of(temporary, table.schema)
                 writer.write_table(table)
                 n += len(table)
-        finally:
-            if writer is not None:
-                writer.close()
+        except BaseException:
+            with suppress(OSError):
+                if writer is not None:
+                    writer.close()
+            temporary.unlink(missing_ok=True)
+            raise
+        assert writer is not None
         assert table is not None
+        writer.close()
         os.replace(temporary, path)
         return cls.in_memory(table) if n == len(table) else cls(path, table.schema, n)
 
@@ -107,12 +113,12 @@ class Encounters:
                 held = group.slice(complete)
         yield held
 
-    def of_every(self, step: int) -> pa.Table:
-        """The encounters of every so-manieth swimmer, as if the run had no others."""
+    def of_one_in(self, many: int) -> pa.Table:
+        """The encounters of one swimmer in so many, drawn at random (always the same), as if the run had no others."""
         info = TableInfo.of(self)
-        info = replace(info, n_swimmers=-(-info.n_swimmers // step))
-        kept = [part.filter(pa.array(part.column("swimmer").to_numpy() % step == 0)) for part in self.parts()]
-        return info.attach(pa.concat_tables(kept))
+        drawn = np.random.default_rng(0).random(info.n_swimmers) < 1.0 / many
+        kept = [part.filter(pa.array(drawn[part.column("swimmer").to_numpy()])) for part in self.parts()]
+        return replace(info, n_swimmers=int(drawn.sum())).attach(pa.concat_tables(kept))
 
 
 def parts_of(encounters: pa.Table | Encounters, *columns: str) -> Iterable[pa.Table]:

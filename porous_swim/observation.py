@@ -93,6 +93,12 @@ class Observers:
         with suppress(Exception):
             parts = (_ended_by(part, time) for part in self._simulation.engine.encounter_parts())
             self._results("failed", parts, time=time, rate=None, warnings=[missing, *self._warnings])
+            return
+        with suppress(Exception):  # without them, and with the room on the disk that they took
+            self._simulation.engine.close()
+            lost = "The encounters of the run could not be written and are missing, and statistics of them too."
+            nothing = {field.name: np.zeros(0, field.type.to_pandas_dtype()) for field in ENCOUNTERS_SCHEMA}
+            self._results("failed", iter([nothing]), time=time, rate=None, warnings=[missing, lost, *self._warnings])
 
     def _results(
         self, status: str, encounters: Iterator[dict[str, np.ndarray]], *, time: float, rate: float | None,
@@ -122,22 +128,25 @@ class Observers:
             if self._folder is None:
                 return results
             with _writing(self._folder.path):
-                return self._folder.write(results, there=("encounters", "trajectory"))  # which are written
+                return self._folder.write_summary(results)
 
     def _tables(
         self, encounters: Iterator[dict[str, np.ndarray]], info: TableInfo
     ) -> tuple[Encounters, dict[str, pa.Table]]:
-        """Encounters, on disk where there is a folder, and the other tables by name."""
+        """Encounters, and the other tables by name; on disk where there is a folder."""
         parts = (make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
         path = None if self._folder is None else self._folder.path / ENCOUNTERS
         with _writing(path):
             stored = Encounters.written(parts, path)
-        return stored, {
+        tables = {
             "colloids": colloid_table(self._simulation.field, info),
             "timeseries": self._series.table(info),
             "lags": lag_table(self._simulation, info),
-            "trajectory": self._trajectory.table(info),
         }
+        if self._folder is not None:
+            with _writing(self._folder.path):
+                self._folder.write_tables(tables)
+        return stored, {**tables, "trajectory": self._trajectory.table(info)}  # which writes itself
 
     def _record(self, path: Path, recorded: np.ndarray) -> None:
         scene, field = self._simulation.scene, self._simulation.field

@@ -9,7 +9,7 @@ import itertools
 import json
 import os
 import shutil
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -130,14 +130,20 @@ class RunFolder:
             raise ResultsError(f"{path}: cannot be used as a run folder ({error.strerror})") from error
         return cls(path)
 
-    def write(self, results: Results, *, there: Collection[str] = ()) -> Results:
-        """Write tables, but those that are `there`, and summary, this last; return `results` with this folder in it."""
-        stored = results.stored
-        if "encounters" not in there:
-            stored = Encounters.written(stored.parts(), self.path / ENCOUNTERS)
-        for name in (name for name in SCHEMAS if name not in (*there, "encounters")):
-            write_table(getattr(results, name), self.path / f"{name}.parquet")
+    def write(self, results: Results) -> Results:
+        """Write tables and summary, this last; return `results` with this folder in it."""
+        stored = Encounters.written(results.stored.parts(), self.path / ENCOUNTERS)
+        self.write_tables({name: getattr(results, name) for name in SCHEMAS if name != "encounters"})
+        return self.write_summary(replace(results, stored=stored))
+
+    def write_tables(self, tables: Mapping[str, pa.Table]) -> None:
+        """Write tables by name."""
+        for name, table in tables.items():
+            write_table(table, self.path / f"{name}.parquet")
+
+    def write_summary(self, results: Results) -> Results:
+        """Write the summary, where all tables are there; return `results` with this folder in it."""
         part = self.path / (SUMMARY + PART)
         part.write_text(json.dumps(results.summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         os.replace(part, self.path / SUMMARY)
-        return replace(results, stored=stored, folder=self.path)
+        return replace(results, folder=self.path)

@@ -69,7 +69,7 @@ class Simulation:
         encounters since the last. Many encounters wait in the file `log_path`, without one in memory.
         """
         start = Start.of(scene) if start is None else start
-        self.scene, self.backend, self.field = scene, start.backend, start.field
+        self.scene, self.backend, self.field, self._keeps_news = scene, start.backend, start.field, news
         noise = scene.noise
         self.engine = Engine(
             self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
@@ -102,11 +102,13 @@ class Simulation:
         """All swimmers together as they are now; takes in their displacements over lags, too, where a frame is due."""
         return _ensemble(self.lags.note(self.step))
 
-    def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, news: bool = True) -> Frame:
+    def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, news: bool | None = None) -> Frame:
         """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`.
 
-        `everyone` is what `everyone()` says, where that has been asked already.
+        `everyone` is what `everyone()` says, where that has been asked already; `news` is by default what the
+        simulation keeps.
         """
+        news = self._keeps_news if news is None else news and self._keeps_news
         everyone = self.everyone() if everyone is None else everyone
         now = self.engine.snapshot(n)
         new, under_way = self.engine.news() if news else (News.joined([]), np.zeros(0))

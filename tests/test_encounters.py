@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +17,7 @@ import porous_swim as ps
 from porous_swim import encounters as encounters_module
 from porous_swim.analysis import summarize
 from porous_swim.encounters import ENCOUNTERS, ROWS, Encounters
+from porous_swim.engine import engine as engine_module
 from porous_swim.engine.log import LogInt, LogLong
 from porous_swim.engine.row_store import RowStore, row_type
 from porous_swim.errors import ResultsError, RunError
@@ -38,7 +40,7 @@ def log_rows(n: int, *, seed: int, real: type = np.float32) -> np.ndarray:
 @pytest.mark.parametrize("on_disk", [False, True])
 def test_a_store_returns_every_row_once_and_all_rows_of_a_swimmer_together(tmp_path, on_disk: bool) -> None:
     path = tmp_path / ROWS if on_disk else None
-    store = RowStore(N_SWIMMERS, path, piece=500, part=400)
+    store = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
     added = [log_rows(n, seed=seed) for seed, n in enumerate((130, 0, 900, 501, 77, 499), start=1)]
     for rows in added:
         store.add(rows)
@@ -117,20 +119,27 @@ def test_a_file_that_is_not_in_order_of_swimmers_is_refused(on_disk) -> None:
         list(Encounters.at(on_disk.source).parts("start_time"))
 
 
-def test_every_third_swimmer_stands_for_a_run_of_a_third(on_disk) -> None:
-    third = on_disk.of_every(3)
-    whole = on_disk.table()
-    assert third.column("swimmer").to_pylist() == [i for i in whole.column("swimmer").to_pylist() if i % 3 == 0]
-    assert TableInfo.of(third).n_swimmers == 20
+def test_one_swimmer_in_three_stands_for_a_run_of_a_third(on_disk) -> None:
+    some, whole = on_disk.of_one_in(3), on_disk.table()
+    chosen = set(some.column("swimmer").to_pylist())
+    assert some.column("swimmer").to_pylist() == [i for i in whole.column("swimmer").to_pylist() if i in chosen]
+    assert len(chosen) <= TableInfo.of(some).n_swimmers
+    assert TableInfo.of(some).n_swimmers == pytest.approx(20, abs=4.0 * math.sqrt(60 * 2 / 9))  # binomial, 4 sigma
+    assert on_disk.of_one_in(3).equals(some)
 
 
 def test_a_run_with_its_log_on_disk_leaves_what_one_in_memory_leaves(tmp_path, monkeypatch) -> None:
     scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
     kept = ps.run(scene)
-    monkeypatch.setattr("porous_swim.engine.records.RowStore", partial(RowStore, piece=100, part=64))
+    monkeypatch.setattr("porous_swim.engine.records.RowStore", partial(RowStore, piece=100, at_once=64))
+    monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
     monkeypatch.setattr(encounters_module, "MANY", 100)
+    writes: list[int] = []
+    write = RowStore._write
+    monkeypatch.setattr(RowStore, "_write", lambda store, rows: (writes.append(len(rows)), write(store, rows))[1])
     spilled = ps.run(scene, out=tmp_path / "run", recording=False)
     assert isinstance(spilled.stored.source, Path)
+    assert len(writes) > 3
     assert pq.ParquetFile(tmp_path / "run" / ENCOUNTERS).num_row_groups > 5
     names = kept.encounters.column_names
     assert all(spilled.encounters.column(name).equals(kept.encounters.column(name)) for name in names)
@@ -140,3 +149,55 @@ def test_a_run_with_its_log_on_disk_leaves_what_one_in_memory_leaves(tmp_path, m
         key: value for key, value in kept.summary.items() if key != "provenance"
     }
     assert not (tmp_path / "run" / ROWS).exists()
+
+
+def test_a_log_that_was_cut_short_is_no_shorter_table(tmp_path) -> None:
+    store = RowStore(N_SWIMMERS, tmp_path / ROWS, piece=100, at_once=50)
+    store.add(log_rows(300, seed=1))
+    with (tmp_path / ROWS).open("r+b") as file:
+        file.truncate(100 * log_rows(1, seed=1).itemsize)
+    with pytest.raises(RunError, match="cannot be read: the file was cut short"):
+        list(store.parts(log_rows(0, seed=2)))
+
+
+@pytest.mark.parametrize("always", [False, True])
+def test_a_disk_that_is_full_for_the_log_leaves_what_was_seen(tmp_path, monkeypatch, always: bool) -> None:
+    scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
+    kept = ps.run(scene)
+    monkeypatch.setattr("porous_swim.engine.records.RowStore", partial(RowStore, piece=100, at_once=64))
+    monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
+    begun: list[int] = []
+    write, written = RowStore._write, Encounters.written
+
+    def full(store: RowStore, rows: np.ndarray) -> tuple[int, np.dtype]:
+        begun.append(len(rows))
+        if len(begun) < 2:
+            return write(store, rows)
+        raise RunError(f"{store._path}: the encounters cannot be written: no space")
+
+    def no_room(parts: object, path: Path | None) -> Encounters:
+        if next(tmp_path.rglob(ROWS), None) is not None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return written(parts, path)
+
+    monkeypatch.setattr(RowStore, "_write", full)
+    if always:
+        monkeypatch.setattr(Encounters, "written", no_room)
+    with pytest.raises(RunError, match="cannot be written: no space"):
+        ps.run(scene, out=tmp_path / "run", recording=False)
+    found = ps.load_results(tmp_path / "run")
+    assert found.summary["status"] == "failed"
+    assert len(found.timeseries) > 10
+    assert not list((tmp_path / "run").glob("*.part"))
+    assert not (tmp_path / "run" / ROWS).exists()
+    if always:
+        assert len(found.encounters) == 0
+        assert "could not be written and are missing" in found.summary["warnings"][1]
+        return
+    last = found.info.last_time
+    ended = kept.encounters.filter(
+        pa.array((kept.encounters["end_time"].to_numpy() <= last) & ~kept.encounters["end_censored"].to_numpy())
+    )
+    same = [name for name in ended.column_names if name != "escape_pitch_time"]  # which may come after the end
+    assert len(ended) > 100
+    assert all(found.encounters.column(name).equals(ended.column(name)) for name in same)

@@ -12,7 +12,9 @@ from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
 from porous_swim.engine.records import Records
 from porous_swim.engine.state import Event, Int
+from porous_swim.engine.swimmers import HALF_RANGE
 from porous_swim.errors import DeviceError, RunError
+from porous_swim.obstacles.cells import MOST_IMAGES
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.engines import fcc, field_of, fingerprint, hexagonal, make_engine, released
 
@@ -270,3 +272,7 @@ def test_a_lane_that_takes_one_swimmer_after_the_other_gives_the_bits_of_one_lan
         engine.advance(N_STEPS)
         prints.add(fingerprint(engine))
     assert len(prints) == 1
+
+
+def test_colloids_touched_in_an_encounter_are_within_the_range_of_packed_images():
+    assert 4 * MOST_IMAGES < HALF_RANGE

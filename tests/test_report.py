@@ -389,13 +389,18 @@ def test_means_by_radius_are_time_over_ends_of_each():
 def test_pictures_of_very_many_encounters_show_some_swimmers_and_say_so(runs, monkeypatch, tmp_path):
     monkeypatch.setattr("porous_swim.reporting.run.MANY", 25)
     results = runs["crystal"]
-    step = -(-len(results.encounters) // 25)
-    assert step > 2
+    n, wanted = len(results.encounters), -(-len(results.encounters) // 25)
+    assert wanted > 2
     (run,) = runs_of([results])
-    swimmers = results.encounters.column("swimmer").to_numpy()
-    assert run.encounters.column("swimmer").to_pylist() == swimmers[swimmers % step == 0].tolist()
+    assert run.one_in == 1  # 60 swimmers: too few to leave any out
+    monkeypatch.setattr("porous_swim.reporting.run._FEWEST_SWIMMERS", 5)
+    assert run.one_in == wanted
+    assert 0 < len(run.encounters) < n / 2
+    assert run.encounters.equals(results.stored.of_one_in(wanted))
     page = Page(ps.report(results, tmp_path))
-    assert f"distributions and hops of {len(swimmers)} encounters are those of one swimmer in {step}" in page.source
+    assert f"of {n} encounters distributions, fits, means by radius and hops show those of one swimmer in {wanted}" in (
+        page.source
+    )
 
 
 @pytest.fixture

@@ -38,17 +38,17 @@ def ensemble_director_correlation(lags: pa.Table) -> TimeAverages:
 
 
 def director_memory(lags: pa.Table) -> float:
-    """The longest lag, a/U, at which directors still agree with themselves by 1/e or more, or as much point back.
+    """The first lag, a/U, from which on directors neither agree nor disagree with themselves by 1/e or more.
 
-    Infinite where they do at the last lag, or where there is none. Of a persistent walk it is the persistence time;
-    among colloids noise need not be what turns directors, and orbits bring them back.
+    Infinite where they do at the last lag, or where there is none. Of a persistent walk it is the first lag beyond the
+    persistence time; among colloids noise need not be what turns directors, and orbits bring them back.
     """
     found = ensemble_director_correlation(lags)
     if len(found.lag) == 0:
         return math.inf
     agreeing = np.flatnonzero(np.abs(found.value) >= math.exp(-1.0))
-    last = int(agreeing[-1]) if len(agreeing) else 0
-    return math.inf if last == len(found.lag) - 1 else float(found.lag[last])
+    after = int(agreeing[-1]) + 1 if len(agreeing) else 0
+    return math.inf if after == len(found.lag) else float(found.lag[after])
 
 
 def ensemble_non_gaussian_parameter(lags: pa.Table) -> Lagged:

@@ -34,7 +34,7 @@ LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread 
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
 BLOCKS = 8  # at least, to a thread
 CHUNK = 6  # steps between looks at events
-LOG_ROWS = 1 << 15  # at least: the kernel stops when half of them are used
+LOG_ROWS = 1 << 15  # at least: the host takes them when half of them are used
 SWIMMERS_TO_A_ROW = 16
 TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer loop
 # Threads of a group on a GPU; the last group is filled with lanes that idle. In a group filled in part llvmpipe
@@ -182,7 +182,8 @@ class Engine:
         self._tableau = on_device(table.astype(self._real))
 
     def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
-        state = HostState.placed(self._field, self._integrator, position, director, law_of, self._real)
+        n_sets = len(laws.dipole_strength)
+        state = HostState.placed(self._field, self._integrator, position, director, law_of, self._real, n_sets=n_sets)
         law = laws.table(self._numbers.time_step).astype(self._real)
         arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))
         self._swimmers = Swimmers(*(on_device(array) for array in arrays))
@@ -222,11 +223,12 @@ class Engine:
         """Take the rows of the log to the host."""
         n = min(int(self._total[Total.LOGGED]), self._log_rows)
         if n > 0:
-            rows = self._records.add(*(on_host(array, np.s_[:n]) for array in self._log))
-            if self._desk is not None:
-                self._desk.note(rows)
+            logged = [on_host(array, np.s_[:n]) for array in self._log]
             self._total[Total.LOGGED] = 0
             to_device(self._total, self._swimmers.total)
+            rows = self._records.add(*logged)
+            if self._desk is not None:
+                self._desk.note(rows)
 
     def _host(self, n: int | None = None) -> HostState:
         return HostState(self._field, self._integrator, *(on_host(array, np.s_[:, :n]) for array in self._swimmers[:3]))

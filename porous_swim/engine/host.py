@@ -43,10 +43,10 @@ class HostState:
     @classmethod
     def placed(
         cls, field: ObstacleField, integrator: str, position: np.ndarray, director: np.ndarray, law_of: np.ndarray,
-        real: np.dtype,
+        real: np.dtype, *, n_sets: int,
     ) -> HostState:  # fmt: skip
         """Swimmers at absolute `position` (n, 3) with unit `director` (n, 3), free, and waiting to be located."""
-        located, n_sets = integrator == "located", int(law_of.max(initial=0)) + 1
+        located = integrator == "located"
         rows, d, n = real_rows(field.dimensions, located=located), field.dimensions, len(position)
         state = cls(
             field,

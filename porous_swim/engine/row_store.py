@@ -12,7 +12,7 @@ from porous_swim.errors import RunError
 
 PIECE = 1 << 19  # rows that wait in memory before they go to disk: some 100 MB
 SHELVES = 1024  # groups of consecutive swimmers, in the order of which a piece lies on disk
-PART = 1 << 18  # rows that are read at once, where no shelf has more
+AT_ONCE = 1 << 18  # rows that become a part of the table, where no shelf has more
 
 
 def row_type(dimensions: int, real: np.dtype | type) -> np.dtype:
@@ -30,8 +30,10 @@ class RowStore:
     Without a `path` everything stays in memory. `RunError` where the file cannot be written or read.
     """
 
-    def __init__(self, n_swimmers: int, path: Path | None = None, *, piece: int = PIECE, part: int = PART) -> None:
-        self._path, self._piece, self._part = path, piece, part
+    def __init__(
+        self, n_swimmers: int, path: Path | None = None, *, piece: int = PIECE, at_once: int = AT_ONCE
+    ) -> None:
+        self._path, self._piece, self._at_once = path, piece, at_once
         self._edges = np.linspace(0, n_swimmers, min(SHELVES, n_swimmers) + 1).astype(np.int64)
         self._waiting: list[np.ndarray] = []
         self._n_waiting = 0
@@ -47,7 +49,7 @@ class RowStore:
 
     def parts(self, more: np.ndarray) -> Iterator[list[np.ndarray]]:
         """All rows and those of `more`, in parts that hold all rows of consecutive swimmers; not sorted within."""
-        if not self._pieces and self._n_waiting + len(more) <= self._part:
+        if not self._pieces and self._n_waiting + len(more) <= self._at_once:
             yield [*self._waiting, more]
             return
         self._shelve()
@@ -57,7 +59,7 @@ class RowStore:
         begin = 0
         while begin < len(n_rows):
             before = n_rows[begin - 1] if begin else 0
-            end = max(begin + 1, int(np.searchsorted(n_rows, before + self._part, side="right")))
+            end = max(begin + 1, int(np.searchsorted(n_rows, before + self._at_once, side="right")))
             own = [self._read(*piece, begin, end) for piece in zip(self._pieces, self._bounds, strict=True)]
             yield [*own, more[bounds[begin] : bounds[end]]]
             begin = end
@@ -74,16 +76,17 @@ class RowStore:
         return order, np.searchsorted(swimmer[order], self._edges)
 
     def _shelve(self) -> None:
-        """Sort the rows that wait into one piece; it goes to disk unless it is the only one."""
+        """Sort the rows that wait into one piece; it goes to disk where it is large, and stays where that fails."""
         if not self._waiting:
             return
         rows = np.concatenate(self._waiting)
         order, bounds = self._sorted(rows)
         rows = rows[order]
-        full = self._path is not None and len(rows) >= self._piece
-        self._pieces.append(self._write(rows) if full else rows)
+        self._pieces.append(rows)
         self._bounds.append(bounds)
         self._waiting, self._n_waiting = [], 0
+        if self._path is not None and len(rows) >= self._piece:
+            self._pieces[-1] = self._write(rows)
 
     def _write(self, rows: np.ndarray) -> tuple[int, np.dtype]:
         assert self._path is not None
@@ -103,9 +106,12 @@ class RowStore:
         assert self._path is not None
         byte, dtype = piece
         try:
-            return np.fromfile(self._path, dtype, last - first, offset=byte + first * dtype.itemsize)
+            rows = np.fromfile(self._path, dtype, last - first, offset=byte + first * dtype.itemsize)
         except OSError as error:
             raise self._failure("read", error) from None
+        if len(rows) < last - first:
+            raise RunError(f"{self._path}: the encounters cannot be read: the file was cut short")
+        return rows
 
     def _failure(self, done: str, error: OSError) -> RunError:
         return RunError(f"{self._path}: the encounters cannot be {done}: {error.strerror or error}")

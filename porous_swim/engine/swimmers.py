@@ -9,7 +9,9 @@ from porous_swim.engine.state import Int
 from porous_swim.physics.vectors import vec
 
 IMAGE_BITS = 10
-HALF_RANGE = 1 << (IMAGE_BITS - 1)  # periodic boxes from a colloid to another that is touched during its encounter
+# periodic boxes from a colloid to another that is touched during its encounter: as far as the escape height reaches at
+# most, which `cells.MOST_IMAGES` bounds
+HALF_RANGE = 1 << (IMAGE_BITS - 1)
 
 
 class Swimmers(NamedTuple):

@@ -44,7 +44,7 @@ def no_hops(run: Run) -> str:
     """Why a run has no hops."""
     if len(run.results.colloids) == 0:
         return "There are no colloids to hop between."
-    n = len(run.results.stored)
+    n = len(run.encounters)
     seen = "1 encounter was" if n == 1 else f"{n:,} encounters were"
     return f"No swimmer hopped: {seen} seen, none followed by one with another colloid."
 

@@ -18,7 +18,7 @@ MOST_TESTED = 5000  # lengths: drawing more and fitting them a hundred times tak
 N_REPEATS = 99
 MOST_RADII = 60  # of a table; where every colloid has a radius of its own, single ones say little
 ABOUT_LAWS = (
-    "Laws are fitted to all encounters, and to the tail above the median of the completed ones; errors are over "
+    "Laws are fitted to the encounters, and to their tail above the median of the completed ones; errors are over "
     "swimmers. Within each of the two, the law of the least AIC is nearest to the data. p is the share of samples "
     f"drawn from the law that lie as far from their fit (of {N_REPEATS} drawn, for up to {MOST_TESTED:,} encounters)."
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +26,7 @@ from porous_swim.scene_identity import resolved
 
 _FOR_PEOPLE = ("name", "description", "record")
 _MOST_TOLD = 2  # keys in the name of a run
+_FEWEST_SWIMMERS = 100  # that stand for all
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +60,15 @@ class Run:
         return unit_vector(self.scene.obstacles.normal, key="obstacles.normal", dimensions=self.results.info.dimensions)
 
     @property
-    def encounters_of(self) -> int:
-        """Pictures of encounters and hops show every so-manieth swimmer, 1 for all: what they hold is bounded."""
-        return -(-len(self.results.stored) // MANY) or 1
+    def one_in(self) -> int:
+        """Distributions of encounters and hops are of one swimmer in so many, to fit into memory; 1: of all."""
+        most = max(self.results.info.n_swimmers // _FEWEST_SWIMMERS, 1)
+        return min(-(-len(self.results.stored) // MANY) or 1, most)
 
     @cached_property
     def encounters(self) -> pa.Table:
         """The encounters of those swimmers."""
-        return self.results.encounters if self.encounters_of == 1 else self.results.stored.of_every(self.encounters_of)
+        return self.results.encounters if self.one_in == 1 else self.results.stored.of_one_in(self.one_in)
 
     @cached_property
     def hops(self) -> pa.Table:
@@ -96,11 +99,19 @@ def differences(scenes: Sequence[Scene | None]) -> dict[str, list[str]]:
 
     What is for people alone, and how a run is recorded, is left out.
     """
-    found = [{} if scene is None else dict(_leaves(resolved(scene))) for scene in scenes]
+    found = [{} if scene is None else dict(_leaves(resolved(scene))) | _named_files(scene) for scene in scenes]
     known = [each for each in found if each]
     keys = dict.fromkeys(key for each in known for key in each if key.split(".")[0] not in _FOR_PEOPLE)
     return {
         key: [each.get(key, "") for each in found] for key in keys if len({each.get(key, "") for each in known}) > 1
+    }
+
+
+def _named_files(scene: Scene) -> dict[str, str]:
+    """The files that a scene names, by what is in them."""
+    return {
+        f"{key}.path": f"{path.name} ({hashlib.sha256(path.read_bytes()).hexdigest()[:8]})"
+        for key, path in scene.files.items()
     }
 
 
@@ -129,10 +140,10 @@ def _labels(every: Sequence[Results], differing: Mapping[str, Sequence[str]]) ->
         ]
     if len(set(names)) < len(names) and 0 < len(differing) <= _MOST_TOLD:
         told = [
-            ", ".join(f"{key.rsplit('.', 1)[-1]} {values[i]}" for key, values in differing.items())
+            ", ".join(f"{key.rsplit('.', 1)[-1]} {values[i]}" for key, values in differing.items() if values[i])
             for i in range(len(names))
         ]
-        names = [f"{name} ({what})" for name, what in zip(names, told, strict=True)]
+        names = [f"{name} ({what})" if what else name for name, what in zip(names, told, strict=True)]
     if len(set(names)) < len(names):
         names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
     return names

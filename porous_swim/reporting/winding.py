@@ -24,7 +24,7 @@ def section(runs: Sequence[Run]) -> Section:
         if run.at_wall:
             missing.append(run.says("Nobody winds around a plane wall."))
         elif _turns(run).size == 0:
-            n = len(run.results.stored)
+            n = len(run.encounters)
             missing.append(run.says(f"No encounter was completed ({n} under way): windings are not known."))
         else:
             completed.append(run)

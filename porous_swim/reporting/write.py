@@ -115,7 +115,10 @@ def _what(run: Run) -> str:
     swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
     colloids = "a plane wall" if run.at_wall else colloids
     parts = [swimmers, colloids, both(info.duration, "a/U", run.scales), status]
-    if run.encounters_of > 1:
+    if run.one_in > 1:
         n = len(run.results.stored)
-        parts.append(f"distributions and hops of {n:,} encounters are those of one swimmer in {run.encounters_of}")
+        parts.append(
+            f"of {n:,} encounters distributions, fits, means by radius and hops show those of one swimmer in "
+            f"{run.one_in}"
+        )
     return ", ".join(parts)

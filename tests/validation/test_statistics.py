@@ -116,12 +116,16 @@ def first_center(results: ps.Results) -> np.ndarray:
 
 def test_the_example_of_the_page_on_statistics_runs(hexagonal, monkeypatch, capsys):
     page = (Path(__file__).parents[2] / "docs" / "statistics.md").read_text(encoding="utf-8")
-    code, sweep = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    code, sweep, very_many = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     crystal = ps.load_scene(Path(__file__).parents[2] / "scenes" / "crystal.yaml")
     monkeypatch.chdir(hexagonal.folder.parents[1])
     exec(compile(code, "statistics.md", "exec"), {})
     mean = ps.analysis.residence_times(hexagonal.encounters).mean  # its colloids are all of radius 3.5
     assert capsys.readouterr().out.splitlines()[-1].startswith(f"3.5 {mean} ")
+    exec(compile(very_many, "statistics.md", "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == str(ps.analysis.hop_statistics(hexagonal.encounters, hexagonal.colloids).hop_rate)
+    assert [int(line) for line in lines[1:]] == [len(hexagonal.encounters)]
     (Path("scenes")).mkdir()
     small = crystal.replace({"swimmers.count": 50, "run.duration": 4.0, "record": {"swimmers": 0, "trails": 0}})
     Path("scenes/crystal.yaml").write_text(small.to_yaml())
