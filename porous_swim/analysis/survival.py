@@ -94,9 +94,9 @@ def waiting_times(
     mean_completed, completed_error = ratio_of_sums(
         swimmers.sums(np.where(completed, length, 0.0)), swimmers.sums(completed)
     )
-    restricted, restricted_error, horizon = _restricted_mean(
-        length[whole], ended=ended[whole], swimmer=swimmer[whole], horizon=horizon
-    )
+    del swimmers  # there may be 10^8 rows
+    known = (length, ended, swimmer) if whole.all() else (length[whole], ended[whole], swimmer[whole])
+    restricted, restricted_error, horizon = _restricted_mean(*known, horizon=horizon)
     return WaitingTimes(
         mean=mean,
         standard_error=standard_error,
@@ -111,7 +111,7 @@ def waiting_times(
 
 
 def _restricted_mean(
-    length: np.ndarray, *, ended: np.ndarray, swimmer: np.ndarray, horizon: float | None
+    length: np.ndarray, ended: np.ndarray, swimmer: np.ndarray, *, horizon: float | None
 ) -> tuple[float, float, float]:
     """Area under the survival curve up to the horizon, its error over swimmers, and the horizon."""
     if len(length) == 0:
@@ -120,23 +120,27 @@ def _restricted_mean(
     if horizon is None or (horizon > longest and not ended[length == longest].all()):
         horizon = longest
     curve = survival_curve(length, ended=ended)
-    used = curve.time < horizon
-    time, n_ended, n_at_risk = curve.time[used], curve.n_ended[used], curve.n_at_risk[used]
-    probability = np.concatenate([[1.0], curve.probability[used]])
-    steps = np.diff(np.concatenate([[0.0], time, [horizon]])) * probability
+    n_used = int(np.searchsorted(curve.time, horizon, side="left"))
+    time, n_ended, n_at_risk = (values[:n_used] for values in (curve.time, curve.n_ended, curve.n_at_risk))
+    steps = np.diff(np.concatenate([[0.0], time, [horizon]]))
+    steps *= np.concatenate([[1.0], curve.probability[:n_used]])
     mean = float(np.sum(steps))
 
     # Influence of each sample: derivative of the area by the sample's weight. With M_j the area beyond
     # time j, d log S = -(ended - at_risk n_j/r_j)/(r_j - n_j); summed per swimmer it is an infinitesimal
     # jackknife (Jaeckel 1972) for groups, since all samples of one swimmer change weight together.
-    beyond = mean - np.cumsum(steps)[:-1]
+    weight = mean - np.cumsum(steps)[:-1]  # the area beyond
     left = n_at_risk - n_ended
-    weight = np.divide(beyond, left, out=np.zeros(len(time)), where=left > 0)  # none left: no area beyond
+    np.divide(weight, left, out=weight, where=left > 0)
+    weight[left == 0] = 0.0  # none left: no area beyond
+    del steps, left  # there may be 10^8 of each
     last = np.searchsorted(time, length, side="right")  # ends at or before each length
     exposure = np.concatenate([[0.0], np.cumsum(weight * n_ended / n_at_risk)])[last]
-    own = np.where(ended & (length < horizon), np.append(weight, 0.0)[np.maximum(last - 1, 0)], 0.0)
+    last = np.maximum(last - 1, 0)
+    exposure -= np.where(ended & (length < horizon), np.append(weight, 0.0)[last], 0.0)
+    del last
     swimmers = Swimmers.of(swimmer)
-    influence = swimmers.sums(exposure - own)
+    influence = swimmers.sums(exposure)
     if swimmers.n < 2:
         return mean, math.nan, horizon
     return mean, math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2))), horizon

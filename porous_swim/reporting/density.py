@@ -84,7 +84,7 @@ def cell_section(runs: Sequence[Run]) -> Section:
         shown.append(run.shows(found))
         text.append(run.says(f"{found.density.n:,} positions folded into {what}."))
     return Section(
-        "In the lattice cell", "cell",
+        "In the periodic cell", "cell",
         text=text,
         draw=(lambda: cell.draw(shown, scales_of(runs))) if shown else None,
         caption="Density of swimmers over its mean in the cell; in three dimensions seen along z.",
