@@ -216,6 +216,7 @@ def run_in(
 def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts, watch: Stopwatch) -> float | None:
     """Run to the end or to an interrupt; return swimmer-steps per second."""
     end, schedule = simulation.scene.n_steps, observers.schedule
+    watch.seconds["swimming"] = 0.0  # told before what the first look takes
     observers.observe()
     observers.clock.start(step=0)
     begin, at_once = time.perf_counter(), simulation.scene.flight_ticks
