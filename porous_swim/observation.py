@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from importlib.metadata import version
@@ -134,7 +134,7 @@ class Observers:
         self, encounters: Iterator[dict[str, np.ndarray]], info: TableInfo
     ) -> tuple[Encounters, dict[str, pa.Table]]:
         """Encounters, and the other tables by name; on disk where there is a folder."""
-        parts = (make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
+        parts = self._told(make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
         path = None if self._folder is None else self._folder.path / ENCOUNTERS
         with _writing(path):
             stored = Encounters.written(parts, path)
@@ -147,6 +147,14 @@ class Observers:
             with _writing(self._folder.path):
                 self._folder.write_tables(tables)
         return stored, {**tables, "trajectory": self._trajectory.table(info)}  # which writes itself
+
+    def _told(self, parts: Iterable[pa.Table]) -> Iterator[pa.Table]:
+        """Parts of the table of encounters, while the clock tells how many have been taken."""
+        n, n_captures = 0, self._simulation.engine.counts()[0]
+        for part in parts:
+            yield part
+            n += len(part)
+            self.clock.tabulate(n / max(n, n_captures, 1))
 
     def _record(self, path: Path, recorded: np.ndarray) -> None:
         scene, field = self._simulation.scene, self._simulation.field

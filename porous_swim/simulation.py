@@ -229,6 +229,7 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
         if simulation.step == due:
             observers.observe()
     observers.observe()  # an interrupt may come between two frames
+    observers.clock.end(interrupted=simulation.step < end)
     steps = simulation.step * simulation.engine.n_swimmers
     return steps / (time.perf_counter() - begin) if steps > 0 else None
 

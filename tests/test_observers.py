@@ -194,3 +194,32 @@ def test_a_log_of_a_long_run_has_a_line_in_thirty_seconds_with_the_time_left(mon
     lines = stream.getvalue().splitlines()
     assert len(lines) == 6
     assert lines[0].endswith("2 min 40 s left")  # 3 of 19 frames took 30 s
+
+
+def test_a_log_tells_of_a_table_that_takes_long_and_counts_it_in_no_rate(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("porous_swim.observers.progress.time.monotonic", lambda: now[0])
+    stream = io.StringIO()
+    progress = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream)
+    progress.start(step=0)
+    now[0] = 20.0
+    progress.observe(FRAMES[-1])
+    progress.end(interrupted=False)
+    for share in (0.2, 0.4, 0.6, 0.8, 1.0):
+        now[0] += 20.0
+        progress.tabulate(share)
+    progress.finish(interrupted=False)
+    swum, *written = stream.getvalue().splitlines()
+    assert f"{950 * 30 / 20:.2e} swimmer-steps/s" in swum
+    assert written == [" 40.0 % of the encounters are in their table", " 80.0 % of the encounters are in their table"]
+
+
+def test_a_bar_begins_anew_for_the_tables():
+    stream = Terminal()
+    bar = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream)
+    bar.start(step=0)
+    bar.observe(FRAMES[-1])
+    bar.end(interrupted=False)
+    bar.tabulate(0.5)
+    bar.finish(interrupted=False)
+    assert "writing encounters" in stream.getvalue()

@@ -27,6 +27,12 @@ class Clock(Protocol):
     def observe(self, frame: Frame) -> None:
         """Take in one frame."""
 
+    def end(self, *, interrupted: bool) -> None:
+        """Time counts no more: the swimmers have arrived."""
+
+    def tabulate(self, share: float) -> None:
+        """That `share`, 0 to 1, of the encounters is in their table."""
+
     def finish(self, *, interrupted: bool) -> None:
         """Take the bar away, or write the last line."""
 
@@ -52,6 +58,12 @@ class NoProgress:
         """Nothing to time."""
 
     def observe(self, frame: Frame) -> None:
+        """Nothing to say."""
+
+    def end(self, *, interrupted: bool) -> None:
+        """Nothing to time."""
+
+    def tabulate(self, share: float) -> None:
         """Nothing to say."""
 
     def finish(self, *, interrupted: bool) -> None:
@@ -99,7 +111,17 @@ class ProgressLines:
         if time.monotonic() - self._last_line >= _LINE_SECONDS:
             self._write(frame, left=self._rate.seconds_left(frame.step, n_steps=self._n_steps))
 
+    def tabulate(self, share: float) -> None:
+        """Write a line if the last one is long ago."""
+        if time.monotonic() - self._last_line >= _LINE_SECONDS:
+            self._last_line = time.monotonic()
+            tell(f"{100.0 * share:5.1f} % of the encounters are in their table", self._stream)
+
     def finish(self, *, interrupted: bool) -> None:
+        """Write the last line of a run that came to no end."""
+        self.end(interrupted=interrupted)
+
+    def end(self, *, interrupted: bool) -> None:
         """Write the last line, once: a second Ctrl-C may come while the run is being ended."""
         last, self._last = self._last, None
         if last is not None:
@@ -135,6 +157,14 @@ class ProgressBar:
         if frame.step > 0:
             text = _state(self._rate.at(frame.step), frame)
             self._bar.update(self._task, completed=frame.step, description=text)
+
+    def end(self, *, interrupted: bool) -> None:
+        """Begin the bar anew, for what is left to do."""
+        self._bar.reset(self._task, total=1.0, description="tables and summary")
+
+    def tabulate(self, share: float) -> None:
+        """Move the bar."""
+        self._bar.update(self._task, completed=share, description="writing encounters")
 
     def finish(self, *, interrupted: bool) -> None:
         """Take the bar away."""
