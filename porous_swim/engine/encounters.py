@@ -218,7 +218,8 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
         if escaped | late:
             written = log_row(f, n, j, i, swimmers, log, step, late)
         k, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
-        if struck & (bound | (not written)):  # before an escape in the same step: the next one begins at the last
+        # before an escape in the same step, as the next encounter begins at the last touched; or until the log has room
+        if struck & (bound | (not written)):
             put_touched(n, j, i, swimmers, k, image)
         if written:
             n[Int.EVENT][j] = int(Event.ORIENT)
