@@ -66,16 +66,16 @@ class Encounters:
                 writer = writer or writer_of(temporary, table.schema)
                 writer.write_table(table)
                 n += len(table)
+            assert writer is not None
+            assert table is not None
+            writer.close()
+            os.replace(temporary, path)
         except BaseException:
             with suppress(OSError):
                 if writer is not None:
                     writer.close()
             temporary.unlink(missing_ok=True)
             raise
-        assert writer is not None
-        assert table is not None
-        writer.close()
-        os.replace(temporary, path)
         return cls.in_memory(table) if n == len(table) else cls(path, table.schema, n)
 
     def __len__(self) -> int:
