@@ -33,6 +33,11 @@ def portable(scene: Scene) -> dict[str, Any]:
     return data
 
 
+def file_hashes(scene: Scene) -> dict[str, str]:
+    """Return hexadecimal digits of what is in each file that the scene names, by dotted key."""
+    return {key: hashlib.sha256(path.read_bytes()).hexdigest() for key, path in scene.files.items()}
+
+
 def scene_hash(scene: Scene) -> str:
     """Return 16 hexadecimal digits that differ when the result could."""
     data = resolved(scene)
@@ -40,8 +45,8 @@ def scene_hash(scene: Scene) -> str:
         del data[key]
     data["run"] = {key: data["run"][key] for key in data["run"] if key not in ("device", "threads")}
     data["run"]["precision"] = scene.precision
-    for key, path in scene.files.items():
-        _section(data, key)["path"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    for key, digits in file_hashes(scene).items():
+        _section(data, key)["path"] = digits
     text = json.dumps(data, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -28,9 +28,10 @@ from porous_swim.reporting import density, network, residence
 from porous_swim.reporting import fractions as fractions_section
 from porous_swim.reporting.lifetime_tables import table_by_radius
 from porous_swim.reporting.numbers import value_and_error
-from porous_swim.reporting.run import Run, runs_of
+from porous_swim.reporting.run import Run, differences, runs_of
 from porous_swim.reporting.write import SECTIONS
 from porous_swim.results import Results
+from porous_swim.scene_identity import portable
 from porous_swim.tables import TIMESERIES_SCHEMA, make_table
 from tests import synthetic
 
@@ -465,3 +466,18 @@ def test_a_thinned_survival_curve_keeps_every_step_of_its_tail():
     assert set(range(19_979, 20_000)) <= set(chosen.tolist())
     gaps = np.diff(np.log(probability[chosen[chosen < 19_999]]))
     assert gaps.min() > -1.0  # elsewhere no step is longer than those of the tail
+
+
+def test_scenes_differ_by_what_is_in_their_files_and_not_by_where_these_are(tmp_path):
+    scene = ps.load_scene(ROOT / "scenes/beads.yaml")
+    for name in ("same", "other"):
+        (tmp_path / name).mkdir()
+        scene.save(tmp_path / name)
+    table = tmp_path / "other" / "beads.csv"
+    table.write_text("\n".join(table.read_text().splitlines()[:-1]))
+    same, other = (ps.load_scene(tmp_path / name / "scene.yaml") for name in ("same", "other"))
+    kept_in_memory = ps.Scene.from_mapping(portable(scene))
+    assert differences([scene, same, kept_in_memory]) == {}
+    (found,) = differences([scene, None, other]).items()
+    assert found[0] == "obstacles.path"
+    assert [text[:10] for text in found[1]] == ["beads.csv ", "", "beads.csv "]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +21,7 @@ from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown
 from porous_swim.results import Results
 from porous_swim.scene import Scene, load_scene
-from porous_swim.scene_identity import resolved
+from porous_swim.scene_identity import file_hashes, resolved
 
 _FOR_PEOPLE = ("name", "description", "record")
 _MOST_TOLD = 2  # keys in the name of a run
@@ -109,10 +108,7 @@ def differences(scenes: Sequence[Scene | None]) -> dict[str, list[str]]:
 
 def _named_files(scene: Scene) -> dict[str, str]:
     """The files that a scene names, by what is in them."""
-    return {
-        f"{key}.path": f"{path.name} ({hashlib.sha256(path.read_bytes()).hexdigest()[:8]})"
-        for key, path in scene.files.items()
-    }
+    return {key: f"{scene.files[key].name} ({digits[:8]})" for key, digits in file_hashes(scene).items()}
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
