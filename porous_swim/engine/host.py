@@ -11,7 +11,7 @@ from porous_swim.engine.log import CLOCKS, N_LOG_INTS, LogLong, kept, log_column
 from porous_swim.engine.state import PHASE_BIT, Event, Int, Long, Phase, clock_of_events, n_ints, real_rows
 from porous_swim.obstacles.field import ObstacleField
 
-_HAPPENED = {"start_clock": Long.START, "pitch_clock": Long.PITCH, "release_clock": Long.RELEASE}
+_HAPPENED = {name: Long[step.name] for name, step in CLOCKS.items()}  # the same steps, as the state numbers them
 
 
 @dataclass(frozen=True, eq=False)

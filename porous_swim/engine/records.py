@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from porous_swim.engine.log import LogInt, LogLong, log_columns
+from porous_swim.engine.log import CLOCKS, LogInt, LogLong, log_columns
 from porous_swim.engine.row_store import RowStore, row_type
 from porous_swim.obstacles.field import ObstacleField
 
-CLOCK = {  # the column that says what a number of steps lacks
-    LogLong.START: "start_clock", LogLong.END: "end_clock", LogLong.RELEASE: "release_clock",
-    LogLong.PITCH: "pitch_clock", LogLong.N_CONTACT: "contact_clock",
+# the column that says what a number of steps lacks
+CLOCK = {step: name for name, step in CLOCKS.items()} | {
+    LogLong.END: "end_clock", LogLong.N_CONTACT: "contact_clock"
 }  # fmt: skip
 
 
