@@ -164,11 +164,16 @@ def test_progress_is_nothing_when_quiet_lines_in_a_log_and_a_bar_on_a_terminal()
     assert "% bound" in stream.getvalue()
 
 
-def test_a_log_of_a_short_run_is_one_line_with_rate_and_fraction_bound(monkeypatch):
-    now = [100.0]
+@pytest.fixture
+def log(monkeypatch):
+    """The progress of a log, what it has written, and its clock, which the test moves."""
+    now, stream = [100.0], io.StringIO()
     monkeypatch.setattr("porous_swim.observers.progress.time.monotonic", lambda: now[0])
-    stream = io.StringIO()
-    progress = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream)
+    return make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream), stream, now
+
+
+def test_a_log_of_a_short_run_is_one_line_with_rate_and_fraction_bound(log):
+    progress, stream, now = log
     now[0] = 160.0  # compiling: not part of the rate
     progress.start(step=0)
     for frame in FRAMES:
@@ -182,11 +187,8 @@ def test_a_log_of_a_short_run_is_one_line_with_rate_and_fraction_bound(monkeypat
     assert "interrupted" in line
 
 
-def test_a_log_of_a_long_run_has_a_line_in_thirty_seconds_with_the_time_left(monkeypatch):
-    now = [0.0]
-    monkeypatch.setattr("porous_swim.observers.progress.time.monotonic", lambda: now[0])
-    stream = io.StringIO()
-    progress = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream)
+def test_a_log_of_a_long_run_has_a_line_in_thirty_seconds_with_the_time_left(log):
+    progress, stream, now = log
     progress.start(step=0)
     for frame in FRAMES[1:]:
         now[0] += 10.0  # 190 s in all
@@ -196,13 +198,10 @@ def test_a_log_of_a_long_run_has_a_line_in_thirty_seconds_with_the_time_left(mon
     assert lines[0].endswith("2 min 40 s left")  # 3 of 19 frames took 30 s
 
 
-def test_a_log_tells_of_a_table_that_takes_long_and_counts_it_in_no_rate(monkeypatch):
-    now = [0.0]
-    monkeypatch.setattr("porous_swim.observers.progress.time.monotonic", lambda: now[0])
-    stream = io.StringIO()
-    progress = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream)
+def test_a_log_tells_of_a_table_that_takes_long_and_counts_it_in_no_rate(log):
+    progress, stream, now = log
     progress.start(step=0)
-    now[0] = 20.0
+    now[0] += 20.0
     progress.observe(FRAMES[-1])
     progress.end(interrupted=False)
     for share in (0.2, 0.4, 0.6, 0.8, 1.0):
