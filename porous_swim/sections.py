@@ -61,7 +61,7 @@ class Run(Part):
     duration: Annotated[Time, Field(gt=0.0, le=1e9)]
     """Length of the run, a whole number of steps."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
-    """Every random number follows from it."""
+    """Every random number follows from it; those of a random medium follow from `obstacles.seed` where that is set."""
     precision: Literal["auto", "f32", "f64"] = "auto"
     """`auto`: f64 without noise, where small errors grow; f32 with noise."""
     integrator: Literal["auto", "euler", "reflected", "located"] = "auto"
