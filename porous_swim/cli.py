@@ -114,8 +114,9 @@ def run(
         _print_summary(results.summary)
     print(results.folder)
     if results.summary["status"] == "interrupted":
-        time = results.info.last_time
-        print(f"interrupted at time {time:g} a/U; what was seen until then is kept", file=sys.stderr)
+        time, units = results.info.last_time, results.info.units
+        laboratory = f" ({time * units['time_s']:.4g} s)" if units else ""
+        print(f"interrupted at time {time:g} a/U{laboratory}; what was seen until then is kept", file=sys.stderr)
         raise typer.Exit(130)
 
 

@@ -14,7 +14,9 @@ from porous_swim.engine.state import Long, n_ints, real_rows
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.scales import Scales
 from porous_swim.scene import Scene
+from porous_swim.units import UnitSystem
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -44,7 +46,11 @@ def _noise(scene: Scene) -> str:
     D, D_r = scene.translational_diffusion, scene.rotational_diffusion
     if D == D_r == 0.0:
         return "none"
-    return f"D = {D:.4g} (1/D = {_inverse(D)}), D_r = {D_r:.4g} (1/D_r = {_inverse(D_r)})"
+    text = f"D = {D:.4g} (1/D = {_inverse(D)}), D_r = {D_r:.4g} (1/D_r = {_inverse(D_r)})"
+    if (units := scene.unit_system) is None:
+        return text
+    (per_D, in_D), (per_D_r, in_D_r) = (_laboratory(units, unit) for unit in ("a U", "U/a"))
+    return f"{text}; in the laboratory D = {D * per_D:.4g} {in_D}, D_r = {D_r * per_D_r:.4g} {in_D_r}"
 
 
 def _colloids(field: ObstacleField) -> str:
@@ -64,6 +70,13 @@ def _units(scene: Scene) -> list[tuple[str, str]]:
     if (units := scene.unit_system) is None:
         return []
     return [("units", f"a = {units.length:g} um, U = {units.speed:g} um/s, a/U = {units.time:g} s")]
+
+
+def _laboratory(units: UnitSystem, unit: str) -> tuple[float, str]:
+    """What one of `unit`, in a and U, is there."""
+    found = Scales(units.length, units.time).physical(unit)
+    assert found is not None
+    return found
 
 
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:

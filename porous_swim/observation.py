@@ -24,6 +24,7 @@ from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.results import Results, RunFolder
+from porous_swim.scales import Scales, with_physical
 from porous_swim.scene_identity import portable
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
@@ -48,8 +49,9 @@ class Observers:
         self._series = TimeSeries(self.schedule)
         self._trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / "trajectory.parquet")
         self.clock = make_progress(
-            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress
-        )
+            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress,
+            seconds=None if scene.unit_system is None else scene.unit_system.time,
+        )  # fmt: skip
         self._all: list[Observer] = [self._series, self._trajectory, self.clock]
         self._warnings = scene.warnings(simulation.field)
         self._recording: Recording | None = None
@@ -117,7 +119,8 @@ class Observers:
                 stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
                 persistence_time=persistence, warnings=warnings,
             )  # fmt: skip
-        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
+        summary = {"status": status, "units": info.units, "provenance": provenance}
+        summary |= with_physical(statistics, Scales.of(info.units))
         with self._watch.timing("recording"):
             if self._recording is not None:
                 self._recording.set_summary(summary_page(summary))

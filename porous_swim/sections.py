@@ -21,7 +21,8 @@ class Population(Part):
     dipole_strength: float
     """alpha; above 0 a pusher, below 0 a puller. With units `dipole` may be given instead."""
     dipole: str | None = None
-    """Force dipole p in place of `dipole_strength`, such as `0.45 pN um`: alpha = p/(8 pi mu U a^2)."""
+    """Force dipole p in place of `dipole_strength`, such as `0.45 pN um` or `0.42 pN * 1.9 um`:
+    alpha = p/(8 pi mu U a^2)."""
     aspect_ratio: Annotated[float, Field(ge=0.01, le=1.0)] = 1.0
     """gamma, minor over major axis; 1 is a sphere."""
     release: Release = Uniform()

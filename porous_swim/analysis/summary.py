@@ -25,6 +25,7 @@ from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED
 from porous_swim.analysis.winding import Winding, winding
 from porous_swim.encounters import Encounters, parts_of
+from porous_swim.scales import pretty
 from porous_swim.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
@@ -196,4 +197,8 @@ def _in_words(statistic: Mapping[str, Any]) -> str:
     counts = f"n = {statistic['n']}"
     if statistic["n_censored"]:
         counts += f", {statistic['n_censored']} censored"
-    return f"{value_and_error(value, error, digits=3)}{' ' + unit if unit else ''} ({counts})"
+    text = f"{value_and_error(value, error, digits=3)}{' ' + unit if unit else ''}"
+    if (found := statistic.get("physical")) is not None:  # in a scene with units
+        laboratory = value_and_error(found["value"], found["standard_error"], digits=3)
+        text = f"{laboratory} {pretty(found['unit'])} = {text}"
+    return f"{text} ({counts})"
