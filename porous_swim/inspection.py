@@ -80,9 +80,9 @@ def _laboratory(units: UnitSystem, unit: str) -> tuple[float, str]:
 
 
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
-    n, steps = scene.swimmers.count, scene.n_steps
+    n, steps, gamma = scene.swimmers.count, scene.n_steps, scene.swimmers.aspect_ratio
     frames = steps // scene.record_period + 1
-    size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
+    size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails, rods=gamma < 1.0)
     end = f"{scene.run.duration:g} a/U"
     if (units := scene.unit_system) is not None:
         end += f" ({scene.run.duration * units.time:g} s)"

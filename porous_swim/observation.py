@@ -163,12 +163,14 @@ class Observers:
         scene, field = self._simulation.scene, self._simulation.field
         units = scene.unit_system
         n_frames = scene.n_steps // scene.record_period + 1
-        too_large = recording_warning(n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails)
+        too_large = recording_warning(
+            n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails, rods=scene.swimmers.aspect_ratio < 1.0
+        )
         self._warnings += [] if too_large is None else [too_large]
         self._recording = Recording(
             path, self.schedule, field, name=scene.name, description=scene.description,
             recording_id=f"{scene.scene_id}-{scene.run.seed}", time_step=scene.run.time_step, n_steps=scene.n_steps,
-            swimmer_radius=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
+            aspect_ratio=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
             provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
         )  # fmt: skip
         self._all.append(self._recording)

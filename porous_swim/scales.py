@@ -47,6 +47,11 @@ def pretty(unit: str) -> str:
     return {"1/s": "s⁻¹"}.get(unit, unit.replace("^2", "²").replace("um", "µm"))
 
 
+def shown_in(unit: str, scales: Scales | None) -> tuple[float, str]:
+    """Factor and unit to show numbers of `unit` with: the laboratory's where it is known."""
+    return (scales and scales.physical(unit)) or (1.0, pretty(unit))
+
+
 def with_physical(summary: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
     """Return a summary in which each statistic that has a unit tells under `physical` what it is in the laboratory."""
     if scales is None:

@@ -16,7 +16,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import rerun_cli
+from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
+
+from porous_swim.observers.timeline import SECONDS, STEP
 
 _LOAD_SECONDS = 120.0
 
@@ -26,14 +29,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("recording", type=Path)
     parser.add_argument("picture", type=Path)
-    parser.add_argument("--time", type=float, help="simulated time in a/U; by default as the recording opens")
+    parser.add_argument("--time", type=float, help="step, or seconds where the scene has units; by default as it opens")
     parser.add_argument("--view", help="name of the one view to show; by default the whole window")
     parser.add_argument("--size", default="1400x900", help="of the window, in points; a point is two pixels")
     parser.add_argument("--wait", type=float, default=8.0, help="seconds to settle: messages fade, texts are set")
     options = parser.parse_args()
     with _viewer(options.recording, size=options.size) as viewer:
         if options.time is not None:
-            viewer.set_time("sim_time", duration=options.time, play_state="paused")
+            _go_to(viewer, options.recording, options.time)
         time.sleep(options.wait)
         views = {view.name: view for view in viewer.get_state().views}
         for view in views.values():
@@ -43,6 +46,18 @@ def main() -> None:
             sys.exit(f"{options.view!r} is no view of {options.recording}: use one of {', '.join(map(str, views))}")
         chosen = {} if options.view is None else {"view_id": views[options.view].view_id}
         viewer.save_screenshot(str(options.picture.resolve()), **chosen)
+
+
+def _go_to(viewer: ViewerClient, recording: Path, moment: float) -> None:
+    """Stop at a moment of the time line on show."""
+    name = time_line(recording)
+    where = {"sequence": round(moment)} if name == STEP else {"duration": moment}
+    viewer.set_time(name, **where, play_state="paused")
+
+
+def time_line(recording: Path) -> str:
+    """The time line on show: seconds where the recording has them, else steps."""
+    return SECONDS if f"'{SECONDS}'" in RrdReader(recording).store().summary() else STEP
 
 
 @contextlib.contextmanager
