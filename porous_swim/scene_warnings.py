@@ -18,9 +18,7 @@ _NOTEWORTHY_JUMP = 0.1  # of the swimming speed
 _LONG_KICK = 0.1  # half-lengths or radians in one step
 _LONG_STEP = 0.05  # half-lengths swum in one step
 _LARGE_RADIUS = 2000.0  # a
-_LONG_ARC = (
-    0.5  # rad between two frames of an orbit: a circle drawn with fewer than thirteen chords does not look like one
-)
+_LONG_ARC = 0.5  # rad between two frames: a circle of fewer than thirteen chords does not look like one
 # docs/convergence.md: residence times between reflecting walls are this much short, times step and rate of the flow
 _SHORT = 0.11
 _NOTEWORTHY_BIAS = 0.01
@@ -115,6 +113,7 @@ def _frames(scene: Scene, field: ObstacleField) -> Iterator[str]:
     arc = every / orbit
     if scene.n_recorded and arc > _LONG_ARC:
         yield (
-            f"frames are {every:g} a/U apart, in which a swimmer goes {arc:.2g} rad around a colloid of radius {least:g}: "
-            f"the recording and the trajectory show no orbit there; keep record.every below {_LONG_ARC * orbit:.2g}"
+            f"frames are {every:g} a/U apart, in which a swimmer goes {arc:.2g} rad around a colloid of radius "
+            f"{least:g}: the recording and the trajectory show no orbit there; keep record.every below "
+            f"{_LONG_ARC * orbit:.2g}"
         )

@@ -34,18 +34,28 @@ def main() -> None:
     parser.add_argument("--size", default="1400x900", help="of the window, in points; a point is two pixels")
     parser.add_argument("--wait", type=float, default=8.0, help="seconds to settle: messages fade, texts are set")
     options = parser.parse_args()
-    with _viewer(options.recording, size=options.size) as viewer:
-        if options.time is not None:
-            _go_to(viewer, options.recording, options.time)
-        time.sleep(options.wait)
-        views = {view.name: view for view in viewer.get_state().views}
-        for view in views.values():
-            for report in view.reports:
-                print(f"{view.name}: {report.severity}: {report.summary}", file=sys.stderr)
-        if options.view is not None and options.view not in views:
-            sys.exit(f"{options.view!r} is no view of {options.recording}: use one of {', '.join(map(str, views))}")
-        chosen = {} if options.view is None else {"view_id": views[options.view].view_id}
-        viewer.save_screenshot(str(options.picture.resolve()), **chosen)
+    screenshot(
+        options.recording, options.picture, moment=options.time, view=options.view, size=options.size, wait=options.wait
+    )
+
+
+def screenshot(
+    recording: Path, picture: Path, *, moment: float | None = None, view: str | None = None, size: str = "1400x900",
+    wait: float = 8.0,
+) -> None:  # fmt: skip
+    """Take a picture; what a view complains of goes to stderr. For the arguments see the command line."""
+    with _viewer(recording, size=size) as viewer:
+        if moment is not None:
+            _go_to(viewer, recording, moment)
+        time.sleep(wait)
+        views = {found.name: found for found in viewer.get_state().views}
+        for found in views.values():
+            for report in found.reports:
+                print(f"{found.name}: {report.severity}: {report.summary}", file=sys.stderr)
+        if view is not None and view not in views:
+            sys.exit(f"{view!r} is no view of {recording}: use one of {', '.join(map(str, views))}")
+        chosen = {} if view is None else {"view_id": views[view].view_id}
+        viewer.save_screenshot(str(picture.resolve()), **chosen)
 
 
 def _go_to(viewer: ViewerClient, recording: Path, moment: float) -> None:
