@@ -22,10 +22,11 @@ if TYPE_CHECKING:
     from porous_swim.results import Results, load_results
     from porous_swim.scene import Scene, load_scene
     from porous_swim.simulation import Simulation, run
-    from porous_swim.sweeps import sweep
+    from porous_swim.sweeps import FailedRun, sweep
 
 __all__ = [
     "DeviceError",
+    "FailedRun",
     "PorousSwimError",
     "Results",
     "ResultsError",
@@ -52,7 +53,7 @@ _HOME = {
     "results": ("Results", "load_results"),
     "scene": ("Scene", "load_scene"),
     "simulation": ("Simulation", "run"),
-    "sweeps": ("sweep",),
+    "sweeps": ("FailedRun", "sweep"),
     "engine.probe": ("contact_height", "drift"),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
