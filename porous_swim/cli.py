@@ -211,9 +211,9 @@ def reproduce(
     """Make the figures of Spagnolie et al., Soft Matter 11, 3396 (2015), again: data, pictures, ours against theirs."""
     from porous_swim.paper.report import reproduce as make
 
-    n_agree, n_differ = make(names or [], out, quick=quick)
-    print(f"{n_agree} numbers agree, {n_differ} differ; the comparison is in {out / 'comparison.md'}")
-    raise typer.Exit(1 if n_differ else 0)
+    paper, independent = make(names or [], out, quick=quick)
+    print(f"against the paper {paper}; against the independent program {independent}: see {out / 'comparison.md'}")
+    raise typer.Exit(1 if independent.n_differ else 0)
 
 
 @app.command(short_help="Measure the speed of the engine.")
