@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported anywhere
 
 if TYPE_CHECKING:
+    __version__: str
     from porous_swim import analysis
     from porous_swim.analysis import theory
     from porous_swim.analysis.flow import flow_field
@@ -34,6 +35,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Simulation",
+    "__version__",
     "analysis",
     "contact_height",
     "drift",
@@ -60,6 +62,10 @@ _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("porous_swim")
     if name == "analysis":
         return import_module("porous_swim.analysis")
     if name == "theory":

@@ -89,7 +89,7 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
+        ("memory", f"{_bytes(n * bytes_per_swimmer(scene))} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
@@ -98,8 +98,8 @@ def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
 
 
-def _bytes_per_swimmer(scene: Scene) -> int:
-    """Of its state, and of its origins in time of displacements."""
+def bytes_per_swimmer(scene: Scene) -> int:
+    """Bytes on the device, of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
     origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
     located = scene.integrator == "located"
