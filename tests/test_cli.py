@@ -263,9 +263,8 @@ def test_check_says_the_same_as_numbers(tmp_path):
     # as above: D = 0.2454 um^2/s over a U = 5 um^2/s, D_r = 3 D/4, the cover of a hexagonal crystal
     assert found["noise"]["translational_diffusion"] == pytest.approx(0.2454 / 5.0, abs=1e-5)
     assert found["noise"]["rotational_diffusion"] == pytest.approx(0.75 * 0.2454 / 5.0, abs=1e-5)
-    assert found["colloids"]["packing_fraction"] == pytest.approx(
-        np.pi * 3.5**2 / (100.0 * np.sqrt(3) / 2.0), rel=1e-12
-    )
+    cover = np.pi * 3.5**2 / (100.0 * np.sqrt(3.0) / 2.0)
+    assert found["colloids"]["packing_fraction"] == pytest.approx(cover, rel=1e-12)
     assert (found["swimmers"]["count"], found["colloids"]["count"], found["run"]["n_steps"]) == (2000, 288, 30_000)
     assert found["units"] == {"length_um": 1.0, "time_s": 0.2}
     assert len(found["warnings"]) == 1

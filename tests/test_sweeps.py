@@ -44,14 +44,14 @@ def test_each_set_of_a_sweep_is_its_scene_run_alone_and_so_are_its_statistics(sc
 
 
 def test_a_report_of_a_sweep_says_what_differs(scene, tmp_path):
-    swept = ps.sweep(scene, [{"swimmers.dipole_strength": strength} for strength in (0.5, 3.0)])
+    swept = ps.sweep(scene, [{"swimmers.dipole_strength": strength} for strength in (0.5, 3.14159265)])
     assert repr(swept[0]) == (
         f"<Results of {scene.name}, finished: {scene.swimmers.count} swimmers, {DURATION:g} a/U, "
         f"{len(swept[0].encounters)} encounters, in memory>"
     )
     page = ps.report(swept, tmp_path).read_text()
-    assert f"{scene.name} (dipole_strength 0.5) and {scene.name} (dipole_strength 3.0)</h1>" in page
-    row = '<th scope="row">swimmers.dipole_strength</th><td>0.5</td><td>3.0</td>'
+    assert f"{scene.name} (dipole_strength 0.5) and {scene.name} (dipole_strength 3.142)</h1>" in page
+    row = '<th scope="row">swimmers.dipole_strength</th><td>0.5</td><td>3.14159265</td>'
     assert row in page[page.index("What differs between the scenes.") :]
     assert "not known here" not in page  # scenes kept in memory
 
