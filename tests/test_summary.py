@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from porous_swim.analysis.summary import summarize, summary_lines
+from porous_swim.analysis.summary import summarize, summary_lines, summary_page
 from porous_swim.scales import Scales, with_physical
 from porous_swim.tables import TIMESERIES_SCHEMA, TableInfo, make_table
 from tests import synthetic
@@ -216,6 +216,14 @@ def test_lines_of_a_scene_with_units_begin_with_them() -> None:
     lines = summary_lines(with_physical(found, Scales(1.0, 0.2)))
     assert lines[0] == "residence time: 7.883 ± 0.028 s = 39.41 ± 0.14 a/U (n = 54973, 7293 censored)"
     assert any(line.startswith("mean squared displacement at the end: 7.00 ± 0.50 µm² = ") for line in lines)
+
+
+def test_the_page_of_a_scene_with_units_is_in_them_alone() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)))
+    assert "| mean squared displacement at the end | 7.00 ± 0.50 a² (n = 1) |" in summary_page(found)
+    page = summary_page(with_physical(found, Scales(2.0, 0.5)))
+    assert "| mean squared displacement at the end | 28.0 ± 2.0 µm² (n = 1) |" in page
+    assert "a²" not in page
 
 
 def test_a_summary_of_a_million_encounters_takes_seconds() -> None:
