@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported anywhere
 
 if TYPE_CHECKING:
+    __version__: str
     from porous_swim import analysis
     from porous_swim.analysis import theory
     from porous_swim.analysis.flow import flow_field
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
     from porous_swim.results import Results, load_results
     from porous_swim.scene import Scene, load_scene
     from porous_swim.simulation import Simulation, run
-    from porous_swim.sweeps import sweep
+    from porous_swim.sweeps import FailedRun, sweep
 
 __all__ = [
     "DeviceError",
+    "FailedRun",
     "PorousSwimError",
     "Results",
     "ResultsError",
@@ -33,6 +35,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Simulation",
+    "__version__",
     "analysis",
     "contact_height",
     "drift",
@@ -52,13 +55,17 @@ _HOME = {
     "results": ("Results", "load_results"),
     "scene": ("Scene", "load_scene"),
     "simulation": ("Simulation", "run"),
-    "sweeps": ("sweep",),
+    "sweeps": ("FailedRun", "sweep"),
     "engine.probe": ("contact_height", "drift"),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("porous_swim")
     if name == "analysis":
         return import_module("porous_swim.analysis")
     if name == "theory":

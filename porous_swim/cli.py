@@ -30,6 +30,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 WARNING = "warning"  # the label of what is doubtful
+Json = Annotated[bool, typer.Option("--json", help="For machines.")]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, such as scenes/crystal.yaml.")]
 Changes = Annotated[
     list[str] | None,
@@ -82,6 +83,23 @@ def _leave(error: PorousSwimError | str, status: int) -> NoReturn:
     sys.exit(status)
 
 
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from porous_swim import __version__
+
+        print(f"porous-swim {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _every_command(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Say the version and leave.")
+    ] = False,
+) -> None:
+    pass
+
+
 @app.command()
 def run(
     scene: SceneFile,
@@ -96,6 +114,7 @@ def run(
     threads: Annotated[int | None, typer.Option(help="Threads of the CPU.")] = None,
     no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Folder and summary for machines, and nothing else.")] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
     with fatal():
@@ -110,22 +129,30 @@ def run(
         progress=not quiet,
         recording=not no_recording,
     )
-    if not quiet:
-        _print_summary(results.summary)
-    print(results.folder)
+    if json_:
+        _print_json({"folder": str(results.folder)} | results.summary)
+    else:
+        if not quiet:
+            _print_summary(results.summary)
+        print(results.folder)
     if results.summary["status"] == "interrupted":
-        time = results.info.last_time
-        print(f"interrupted at time {time:g} a/U; what was seen until then is kept", file=sys.stderr)
+        time, units = results.info.last_time, results.info.units
+        laboratory = f" ({time * units['time_s']:.4g} s)" if units else ""
+        print(f"interrupted at time {time:g} a/U{laboratory}; what was seen until then is kept", file=sys.stderr)
         raise typer.Exit(130)
 
 
 @app.command(short_help="Say what a scene is and what is doubtful about it.")
-def check(scene: SceneFile, changes: Changes = None) -> None:
+def check(scene: SceneFile, changes: Changes = None, json_: Json = False) -> None:
     """Say what a scene is, and what is doubtful about it; run nothing."""
+    from porous_swim.facts import facts_of
     from porous_swim.inspection import describe
 
     loaded = _scene(scene, changes, {})
-    _print_rows(describe(loaded))
+    if json_:
+        _print_json(facts_of(loaded))
+    else:
+        _print_rows(describe(loaded))
 
 
 @app.command()
@@ -183,18 +210,16 @@ def theory(
         float | None, typer.Option(help="A, of the colloid, in swimmer half-lengths; inf is a plane wall.")
     ] = None,
     diffusion: Annotated[float | None, typer.Option(help="D in a U, with D_r = 3 D/4; needs --radius.")] = None,
-    json_: Annotated[bool, typer.Option("--json", help="For machines.")] = False,
+    json_: Json = False,
 ) -> None:
     """Print what theory predicts for one swimmer at one colloid: capture, sliding, scattering, trapping."""
-    import json
-
     from porous_swim.theory_table import predictions
 
     if diffusion is not None and radius is None:
         raise SceneError("theory: --diffusion needs a --radius")
     rows = predictions(dipole_strength, aspect_ratio, radius, diffusion)
     if json_:
-        print(json.dumps([row.as_dict() for row in rows], indent=2))
+        _print_json([row.as_dict() for row in rows])
     else:
         _print_rows([(f"{row.quantity} ({row.order})", row.text) for row in rows])
 
@@ -210,9 +235,9 @@ def reproduce(
     """Make the figures of Spagnolie et al., Soft Matter 11, 3396 (2015), again: data, pictures, ours against theirs."""
     from porous_swim.paper.report import reproduce as make
 
-    n_agree, n_differ = make(names or [], out, quick=quick)
-    print(f"{n_agree} numbers agree, {n_differ} differ; the comparison is in {out / 'comparison.md'}")
-    raise typer.Exit(1 if n_differ else 0)
+    paper, independent = make(names or [], out, quick=quick)
+    print(f"against the paper {paper}; against the independent program {independent}: see {out / 'comparison.md'}")
+    raise typer.Exit(1 if independent.n_differ else 0)
 
 
 @app.command(short_help="Measure the speed of the engine.")
@@ -221,25 +246,30 @@ def bench(
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Groups of figures; all if none is named.")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Tiny counts: whether it works, not how fast.")] = False,
-    json_: Annotated[bool, typer.Option("--json", help="For machines.")] = False,
+    json_: Json = False,
 ) -> None:
     """Measure the speed of the engine: ratios to C that does the same job, and to itself. Takes minutes."""
-    import json
-
     from porous_swim.bench.report import benchmark, text
 
     found = benchmark(names or [], quick=quick)
-    print(json.dumps(found, indent=2) if json_ else text(found))
+    if json_:
+        _print_json(found)
+    else:
+        print(text(found))
 
 
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of scene files, for editors."""
-    import json
-
     from porous_swim.schema import json_schema
 
-    print(json.dumps(json_schema(), indent=2))
+    _print_json(json_schema())
+
+
+def _print_json(data: object) -> None:
+    import json
+
+    print(json.dumps(data, indent=2))
 
 
 def _print_summary(summary: dict[str, Any]) -> None:

@@ -14,7 +14,9 @@ from porous_swim.engine.state import Long, n_ints, real_rows
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.scales import Scales
 from porous_swim.scene import Scene
+from porous_swim.units import UnitSystem
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -44,7 +46,11 @@ def _noise(scene: Scene) -> str:
     D, D_r = scene.translational_diffusion, scene.rotational_diffusion
     if D == D_r == 0.0:
         return "none"
-    return f"D = {D:.4g} (1/D = {_inverse(D)}), D_r = {D_r:.4g} (1/D_r = {_inverse(D_r)})"
+    text = f"D = {D:.4g} (1/D = {_inverse(D)}), D_r = {D_r:.4g} (1/D_r = {_inverse(D_r)})"
+    if (units := scene.unit_system) is None:
+        return text
+    (per_D, in_D), (per_D_r, in_D_r) = (_laboratory(units, unit) for unit in ("a U", "U/a"))
+    return f"{text}; in the laboratory D = {D * per_D:.4g} {in_D}, D_r = {D_r * per_D_r:.4g} {in_D_r}"
 
 
 def _colloids(field: ObstacleField) -> str:
@@ -66,17 +72,24 @@ def _units(scene: Scene) -> list[tuple[str, str]]:
     return [("units", f"a = {units.length:g} um, U = {units.speed:g} um/s, a/U = {units.time:g} s")]
 
 
+def _laboratory(units: UnitSystem, unit: str) -> tuple[float, str]:
+    """What one of `unit`, in a and U, is there."""
+    found = Scales(units.length, units.time).physical(unit)
+    assert found is not None
+    return found
+
+
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
-    n, steps = scene.swimmers.count, scene.n_steps
+    n, steps, gamma = scene.swimmers.count, scene.n_steps, scene.swimmers.aspect_ratio
     frames = steps // scene.record_period + 1
-    size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
+    size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails, rods=gamma < 1.0)
     end = f"{scene.run.duration:g} a/U"
     if (units := scene.unit_system) is not None:
         end += f" ({scene.run.duration * units.time:g} s)"
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
+        ("memory", f"{_bytes(n * bytes_per_swimmer(scene))} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
@@ -85,8 +98,8 @@ def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
 
 
-def _bytes_per_swimmer(scene: Scene) -> int:
-    """Of its state, and of its origins in time of displacements."""
+def bytes_per_swimmer(scene: Scene) -> int:
+    """Bytes on the device, of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
     origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
     located = scene.integrator == "located"

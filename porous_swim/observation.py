@@ -24,6 +24,7 @@ from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.results import Results, RunFolder
+from porous_swim.scales import Scales, with_physical
 from porous_swim.scene_identity import portable
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
@@ -48,8 +49,9 @@ class Observers:
         self._series = TimeSeries(self.schedule)
         self._trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / "trajectory.parquet")
         self.clock = make_progress(
-            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress
-        )
+            self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress,
+            seconds=None if scene.unit_system is None else scene.unit_system.time,
+        )  # fmt: skip
         self._all: list[Observer] = [self._series, self._trajectory, self.clock]
         self._warnings = scene.warnings(simulation.field)
         self._recording: Recording | None = None
@@ -117,7 +119,8 @@ class Observers:
                 stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
                 persistence_time=persistence, warnings=warnings,
             )  # fmt: skip
-        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
+        summary = {"status": status, "units": info.units, "provenance": provenance}
+        summary |= with_physical(statistics, Scales.of(info.units))
         with self._watch.timing("recording"):
             if self._recording is not None:
                 self._recording.set_summary(summary_page(summary))
@@ -160,12 +163,14 @@ class Observers:
         scene, field = self._simulation.scene, self._simulation.field
         units = scene.unit_system
         n_frames = scene.n_steps // scene.record_period + 1
-        too_large = recording_warning(n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails)
+        too_large = recording_warning(
+            n_frames=n_frames, n_swimmers=len(recorded), n_trails=scene.n_trails, rods=scene.swimmers.aspect_ratio < 1.0
+        )
         self._warnings += [] if too_large is None else [too_large]
         self._recording = Recording(
             path, self.schedule, field, name=scene.name, description=scene.description,
             recording_id=f"{scene.scene_id}-{scene.run.seed}", time_step=scene.run.time_step, n_steps=scene.n_steps,
-            swimmer_radius=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
+            aspect_ratio=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
             provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
         )  # fmt: skip
         self._all.append(self._recording)

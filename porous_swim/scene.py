@@ -36,7 +36,7 @@ _FRAMES = 200  # of a recording whose interval is left open
 
 
 class Scene(Part):
-    """One run. Every random number follows from `run.seed`."""
+    """One run. Every random number follows from `run.seed`, but a medium has a seed of its own where one is set."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
     """What the run is called, and its folder. In a file it may be left out: the name of the file."""
@@ -86,9 +86,9 @@ class Scene(Part):
         return _validated(document, self._folder)
 
     def place_obstacles(self) -> ObstacleField:
-        """Return the colloids, a function of the layout, the domain and `run.seed` alone."""
+        """Return the colloids, a function of the layout, the domain and `medium_seed` alone."""
         try:
-            return self.obstacles.place(self.domain, generator(self.run.seed, Stream.PLACEMENT), self._folder)
+            return self.obstacles.place(self.domain, generator(self.medium_seed, Stream.PLACEMENT), self._folder)
         except KeyedError as error:
             raise self._placed(error) from None
 
@@ -123,6 +123,12 @@ class Scene(Part):
         parts = {"obstacles": self.obstacles, "swimmers.release": self.swimmers.release}
         paths = {f"{key}.path": getattr(part, "path", None) for key, part in parts.items()}
         return {key: self._folder / path for key, path in paths.items() if path is not None}
+
+    @property
+    def medium_seed(self) -> int:
+        """The seed of a random medium: `obstacles.seed`, by default `run.seed`."""
+        own: int | None = getattr(self.obstacles, "seed", None)
+        return self.run.seed if own is None else own
 
     @property
     def n_steps(self) -> int:

@@ -45,6 +45,8 @@ def scene_hash(scene: Scene) -> str:
         del data[key]
     data["run"] = {key: data["run"][key] for key in data["run"] if key not in ("device", "threads")}
     data["run"]["precision"] = scene.precision
+    if data["obstacles"].get("seed") == scene.run.seed:  # as where it is left out
+        del data["obstacles"]["seed"]
     for key, digits in file_hashes(scene).items():
         _section(data, key)["path"] = digits
     text = json.dumps(data, sort_keys=True, allow_nan=False)

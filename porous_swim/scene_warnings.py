@@ -18,6 +18,7 @@ _NOTEWORTHY_JUMP = 0.1  # of the swimming speed
 _LONG_KICK = 0.1  # half-lengths or radians in one step
 _LONG_STEP = 0.05  # half-lengths swum in one step
 _LARGE_RADIUS = 2000.0  # a
+_LONG_ARC = 0.5  # rad between two frames: a circle of fewer than thirteen chords does not look like one
 # docs/convergence.md: residence times between reflecting walls are this much short, times step and rate of the flow
 _SHORT = 0.11
 _NOTEWORTHY_BIAS = 0.01
@@ -31,6 +32,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
         *_flow(scene, field),
         *_rounding(scene, field),
         *_mid_planes(scene, field),
+        *_frames(scene, field),
     ]
 
 
@@ -101,4 +103,17 @@ def _mid_planes(scene: Scene, field: ObstacleField) -> Iterator[str]:
             f"only the nearest colloid acts on a swimmer, so its drift jumps by up to about {jump:.2g} U "
             f"halfway between neighbours (alpha = {scene.swimmers.dipole_strength:.4g}, typical gap "
             f"{np.median(gaps):.3g})"
+        )
+
+
+def _frames(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    """A swimmer that slides along a colloid of radius A at speed 1 turns around it at a rate of 1/(A + gamma)."""
+    least = float(field.radii.min(initial=np.inf))
+    every, orbit = scene.record_period * scene.run.time_step, least + scene.swimmers.aspect_ratio
+    arc = every / orbit
+    if scene.n_recorded and arc > _LONG_ARC:
+        yield (
+            f"frames are {every:g} a/U apart, in which a swimmer goes {arc:.2g} rad around a colloid of radius "
+            f"{least:g}: the recording and the trajectory show no orbit there; keep record.every below "
+            f"{_LONG_ARC * orbit:.2g}"
         )

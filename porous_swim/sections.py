@@ -21,7 +21,8 @@ class Population(Part):
     dipole_strength: float
     """alpha; above 0 a pusher, below 0 a puller. With units `dipole` may be given instead."""
     dipole: str | None = None
-    """Force dipole p in place of `dipole_strength`, such as `0.45 pN um`: alpha = p/(8 pi mu U a^2)."""
+    """Force dipole p in place of `dipole_strength`, such as `0.45 pN um` or `0.42 pN * 1.9 um`:
+    alpha = p/(8 pi mu U a^2)."""
     aspect_ratio: Annotated[float, Field(ge=0.01, le=1.0)] = 1.0
     """gamma, minor over major axis; 1 is a sphere."""
     release: Release = Uniform()
@@ -61,7 +62,7 @@ class Run(Part):
     duration: Annotated[Time, Field(gt=0.0, le=1e9)]
     """Length of the run, a whole number of steps."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
-    """Every random number follows from it."""
+    """Every random number follows from it; those of a random medium follow from `obstacles.seed` where that is set."""
     precision: Literal["auto", "f32", "f64"] = "auto"
     """`auto`: f64 without noise, where small errors grow; f32 with noise."""
     integrator: Literal["auto", "euler", "reflected", "located"] = "auto"

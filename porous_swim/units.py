@@ -54,13 +54,16 @@ _UNIT_OF = {  # what a quantity is measured in here, and an example for messages
     "time": ("s", "`0.5 s`"),
     "speed": ("um/s", "`5 um/s`"),
     "viscosity": ("pN s/um^2", "`0.89 mPa s`"),
-    "temperature": ("K", "`300 K`"),
+    "temperature": ("K", "`300 K` or `25 degC`"),
     "diffusivity": ("um^2/s", "`0.25 um^2/s`"),
     "rotational diffusivity": ("rad^2/s", "`0.19 rad^2/s` or `0.19 1/s`"),
-    "dipole": ("pN um", "`0.45 pN um`"),
+    "dipole": ("pN um", "`0.45 pN um` or `0.42 pN * 1.9 um`"),
 }
 _ANGLES = ("radian", "degree", "turn")  # pint counts them as pure numbers: rad/s would pass for rad^2/s
-_QUANTITY = re.compile(r"\s*([-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)\s*(\S.*?)\s*")
+_QUANTITY = re.compile(r"\s*([-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)\s*(\S.*?)?\s*")
+_TIMES = re.compile(r"(?<!\*)[*×·](?!\*)(?=\s*[-+.0-9])")  # before a number: `pN*um` and `m**2` are units
+_CELSIUS = ("degC", "°C", "celsius")
+_FREEZING = 273.15  # K
 
 
 @cache
@@ -73,19 +76,26 @@ def _registry() -> Any:
 
 
 def read_quantity(text: str, dimension: str) -> float:
-    """Return `text`, such as `10 um`, as a number in this module's unit of `dimension`; else `ValueError`."""
+    """Return `text`, such as `10 um`, as a number in this module's unit of `dimension`; else `ValueError`.
+
+    Products such as `0.42 pN * 1.9 um` are multiplied; a temperature may be in `degC`.
+    """
     unit, example = _UNIT_OF[dimension]
-    match = _QUANTITY.fullmatch(text)
-    if match is None:
+    factors = [_QUANTITY.fullmatch(factor) for factor in _TIMES.split(text)]
+    if None in factors or not any(factor and factor[2] for factor in factors):
         raise ValueError(f"expected a {dimension} with its unit such as {example}, found {text!r}")
-    try:
-        found = _registry().Quantity(float(match[1]), match[2])
-        fits = found.is_compatible_with(unit) and _angles(found) in (0, _angles(_registry().Quantity(unit)))
-    except Exception as error:  # pint raises half a dozen unrelated kinds on nonsense
-        raise ValueError(
-            f"{match[2]!r} is not a unit that is known here; a {dimension} is such as {example}"
-        ) from error
-    if not fits:
+    numbers, units = zip(*((float(factor[1]), factor[2]) for factor in factors if factor), strict=True)
+    if dimension == "temperature" and units in [(name,) for name in _CELSIUS]:
+        return float(numbers[0] + _FREEZING)
+    found = _registry().Quantity(1.0)
+    for number, name in zip(numbers, units, strict=True):
+        try:
+            found = found * _registry().Quantity(number, name or "")
+        except Exception as error:  # pint raises half a dozen unrelated kinds on nonsense
+            raise ValueError(
+                f"{name!r} is not a unit that is known here; a {dimension} is such as {example}"
+            ) from error
+    if not found.is_compatible_with(unit) or _angles(found) not in (0, _angles(_registry().Quantity(unit))):
         raise ValueError(f"expected a {dimension} such as {example}, found {text!r}")
     return float(found.to(unit).magnitude)
 
@@ -114,7 +124,7 @@ class Units(Part):
     viscosity: Annotated[str, _text("viscosity")] | None = None
     """Viscosity mu of the fluid, a string such as `0.89 mPa s`; for `dipole` and `thermal`."""
     temperature: Annotated[str, _text("temperature")] | None = None
-    """Temperature of the fluid, a string such as `300 K`; for `thermal`."""
+    """Temperature of the fluid, a string such as `300 K` or `25 degC`; for `thermal`."""
 
     @model_validator(mode="after")
     def _all_positive(self) -> Units:

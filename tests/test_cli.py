@@ -257,6 +257,35 @@ def test_check_names_counts_numbers_and_doubts_without_running(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_check_says_the_same_as_numbers(tmp_path):
+    thermal = next(path for path in SCENES if path.stem == "crystal_thermal")
+    found = json.loads(porous_swim("check", thermal, "--json", cwd=tmp_path).stdout)
+    # as above: D = 0.2454 um^2/s over a U = 5 um^2/s, D_r = 3 D/4, the cover of a hexagonal crystal
+    assert found["noise"]["translational_diffusion"] == pytest.approx(0.2454 / 5.0, abs=1e-5)
+    assert found["noise"]["rotational_diffusion"] == pytest.approx(0.75 * 0.2454 / 5.0, abs=1e-5)
+    cover = np.pi * 3.5**2 / (100.0 * np.sqrt(3.0) / 2.0)
+    assert found["colloids"]["packing_fraction"] == pytest.approx(cover, rel=1e-12)
+    assert (found["swimmers"]["count"], found["colloids"]["count"], found["run"]["n_steps"]) == (2000, 288, 30_000)
+    assert found["units"] == {"length_um": 1.0, "time_s": 0.2}
+    assert len(found["warnings"]) == 1
+    assert found["scene_id"] == ps.load_scene(thermal).scene_id
+    wall = porous_swim("check", thermal.with_name("wall.yaml"), "--json", cwd=tmp_path)
+    assert json.loads(wall.stdout)["colloids"]["radius"] is None  # JSON has no infinity
+
+
+def test_a_run_says_its_folder_and_summary_to_machines(scene, tmp_path):
+    result = porous_swim("run", scene, "--json", "--out", "mine", "--no-recording", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "mine/summary.json").read_text())
+    assert json.loads(result.stdout) == {"folder": "mine"} | summary
+    assert "swimming" in result.stderr  # progress goes elsewhere
+
+
+def test_the_version_is_said_by_the_command_and_the_module(tmp_path):
+    result = porous_swim("--version", cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (0, f"porous-swim {ps.__version__}\n")
+
+
 def test_a_template_runs_where_it_is_written(tmp_path):
     made = porous_swim("new", "mine", "--from", "beads", cwd=tmp_path)
     assert made.stdout == "mine.yaml\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from commands import ROOT
 
 from porous_swim import costs
 from porous_swim.engine.backend import Backend
@@ -122,3 +123,9 @@ def test_the_memory_said_is_that_of_the_arrays(tmp_path, layout, precision):
     held = sum(array.to_numpy().nbytes for array in lists)
     said = dict(describe(scene))["memory"]
     assert said == f"{held / 1e3:.0f} kB for the swimmers on the device"
+
+
+def test_a_scene_with_units_says_its_diffusivities_in_them_too():
+    # D = kT/(6 pi mu a) = 0.2454 um^2/s and D_r = 3 D/(4 a^2) for a sphere of radius a = 1 um
+    noise = dict(describe(load_scene(ROOT / "scenes" / "crystal_thermal.yaml")))["noise"]
+    assert noise.endswith("in the laboratory D = 0.2454 µm²/s, D_r = 0.184 s⁻¹")

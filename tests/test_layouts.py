@@ -116,6 +116,20 @@ def test_placement_follows_the_seed() -> None:
     assert not np.array_equal(first.centers, other.centers)
 
 
+@pytest.mark.parametrize("layout", ["random", "packing"])
+def test_a_medium_with_a_seed_of_its_own_stays_while_the_swimmers_change(layout: str) -> None:
+    obstacles = {"layout": layout, "radius": 1.0, "count": 50, "packing_fraction": 0.1}
+    scene = scene_of(obstacles, swimmers={"count": 5, "dipole_strength": 0.8}).replace({"run.seed": 6})
+    kept = scene.replace({"obstacles.seed": 6, "run.seed": 7})
+    field = scene.place_obstacles()
+    assert np.array_equal(kept.place_obstacles().centers, field.centers)
+    one, other = (each.place_swimmers(field, lambda s, A: np.ones_like(s)).position for each in (scene, kept))
+    assert not np.array_equal(one, other)
+    # a seed that says what is so anyway is the same run; any other is not
+    assert scene.replace({"obstacles.seed": 6}).scene_id == scene.scene_id
+    assert len({each.scene_id for each in (scene, kept, kept.replace({"obstacles.seed": 8}))}) == 3
+
+
 def test_random_addition_is_uniform_where_overlaps_are_rare() -> None:
     """At a fraction of 1e-9 overlaps do not matter: coordinates are uniform (significance 1e-4)."""
     from scipy.stats import kstest

@@ -222,3 +222,12 @@ def test_a_bar_begins_anew_for_the_tables():
     bar.tabulate(0.5)
     bar.finish(interrupted=False)
     assert "writing encounters" in stream.getvalue()
+
+
+def test_progress_of_a_scene_with_units_tells_seconds_too():
+    stream = io.StringIO()
+    last = FRAMES[-1]  # at t = 9.5 a/U
+    lines = make_progress(Every(50), n_steps=950, n_swimmers=30, quiet=False, stream=stream, seconds=0.2)
+    lines.observe(last)
+    lines.end(interrupted=False)
+    assert "t = 9.5 a/U (1.9 s), " in stream.getvalue()

@@ -10,6 +10,7 @@ from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import pytest
+import yaml
 from commands import ROOT, SCENES
 
 import porous_swim
@@ -31,6 +32,7 @@ def test_a_wheel_holds_every_module_scene_and_the_schema(wheel):
     modules = {str(path.relative_to(ROOT)) for path in (ROOT / "porous_swim").rglob("*.py")}
     scenes = {f"porous_swim/{path.relative_to(ROOT)}" for path in (ROOT / "scenes").rglob("*.*")}
     assert modules | scenes | {"porous_swim/scene.schema.json", "porous_swim/bench/swim.c"} <= names
+    assert "porous_swim/py.typed" in names  # without it the types of the interface are not read
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not any(name.startswith(("tests", "scenes")) for name in names)
 
@@ -46,7 +48,19 @@ def test_the_entry_point_is_the_command_line():
 
 
 def test_the_version_is_that_of_the_project_file():
-    assert version("porous_swim") == tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert version("porous_swim") == porous_swim.__version__ == project["version"]
+
+
+def test_the_citation_and_the_changelog_are_of_this_version():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert citation["version"] == porous_swim.__version__
+    assert citation["license"] == tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["license"]
+    paper = citation["preferred-citation"]
+    assert (paper["doi"], paper["volume"], paper["start"]) == ("10.1039/C4SM02785J", 11, 3396)
+    assert [author["family-names"] for author in paper["authors"]] == ["Spagnolie", "Moreno-Flores", "Bartolo", "Lauga"]
+    headings = [line for line in (ROOT / "CHANGELOG.md").read_text().splitlines() if line.startswith("## ")]
+    assert headings[:2] == ["## [Unreleased]", f"## [{citation['version']}] - {citation['date-released']}"]
 
 
 def test_names_of_templates_are_names_of_scenes():

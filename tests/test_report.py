@@ -137,7 +137,7 @@ def test_a_scene_with_units_has_them_in_every_table_and_on_every_axis(pages, run
     for name, group, statistic, factor, unit in (
         ("mean residence time", "residence", "mean", time, "s"),
         ("hop length, between centres", "hops", "length", a, "µm"),
-        ("hop rate per swimmer", "hops", "rate", 1.0 / time, "1/s"),
+        ("hop rate per swimmer", "hops", "rate", 1.0 / time, "s⁻¹"),
         ("mean squared displacement at the end", "msd", "final", a**2, "µm²"),
         ("effective diffusivity", "diffusivity", "effective", a**2 / time, "µm²/s"),
     ):

@@ -316,3 +316,20 @@ def test_every_key_says_what_it_is() -> None:
     rows = [line for line in schema.scene_page().splitlines() if line.startswith("| `")]
     assert len(rows) > 60
     assert all(row.split("|")[2].strip() for row in rows)
+
+
+def test_frames_too_far_apart_for_an_orbit_are_warned_of() -> None:
+    # at speed 1 around a colloid of radius 3.5, 4.5 from its centre, half a radian takes 2.25 a/U
+    crystal = load_scene("scenes/crystal.yaml")
+    close, far = (crystal.replace({"record.every": every, "run.duration": 110 * every}) for every in (2.2, 2.3))
+    assert not any("record.every" in sentence for sentence in close.warnings())
+    (sentence,) = (sentence for sentence in far.warnings() if "record.every" in sentence)
+    assert "frames are 2.3 a/U apart, in which a swimmer goes 0.51 rad around a colloid of radius 3.5" in sentence
+    assert "keep record.every below 2.2" in sentence
+    for unseen in (
+        {"record.swimmers": 0, "record.trails": 0},
+        {"obstacles": {"layout": "none"}, "domain.size": [9, 9]},
+    ):
+        assert not any("record.every" in sentence for sentence in far.replace(unseen).warnings())
+    wall = load_scene("scenes/wall.yaml").replace({"record.every": 40.0})
+    assert not any("orbit" in sentence for sentence in wall.warnings())

@@ -10,7 +10,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from porous_swim.analysis.summary import summarize, summary_lines
+from porous_swim.analysis.summary import summarize, summary_lines, summary_page
+from porous_swim.scales import Scales, with_physical
 from porous_swim.tables import TIMESERIES_SCHEMA, TableInfo, make_table
 from tests import synthetic
 
@@ -185,6 +186,44 @@ def test_lines_round_to_two_digits_of_the_error_and_leave_out_what_is_unknown() 
     assert "hop rate per swimmer: 55410 ± 140 U/a (n = 12)" in lines
     assert not any(line.startswith("hop time") for line in lines)
     assert lines[-1] == "warning: beware"
+
+
+def test_a_scene_with_units_tells_each_statistic_in_them_too() -> None:
+    # a = 2 um, U = 4 um/s: a/U = 0.5 s, a^2 = 4 um^2, a U = 8 um^2/s, U/a = 2 1/s
+    found = with_physical(summary_of(synthetic.random_moves(np.random.default_rng(1), n_swimmers=20, n_rows=200,
+                                                            last_time=100.0)), Scales(2.0, 0.5))  # fmt: skip
+    factors = {
+        ("residence", "mean"): (0.5, "s"), ("hops", "length"): (2.0, "um"), ("hops", "rate"): (2.0, "1/s"),
+        ("msd", "final"): (4.0, "um^2"), ("diffusivity", "effective"): (8.0, "um^2/s"),
+        ("winding", "rate"): (2.0, "turns/s"),
+    }  # fmt: skip
+    for (group, name), (factor, unit) in factors.items():
+        entry = found[group][name]
+        assert set(entry) == STATISTIC | {"physical"}
+        numbers = [entry["physical"][key] for key in ("value", "standard_error")]
+        assert numbers == pytest.approx([entry[key] * factor for key in ("value", "standard_error")], rel=1e-14)
+        assert entry["physical"]["unit"] == unit
+    assert "physical" not in found["fractions"]["bound"]
+    assert "physical" not in found["winding"]["completed"]
+    json.dumps(found, allow_nan=False)
+
+
+def test_lines_of_a_scene_with_units_begin_with_them() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)))
+    found["residence"]["mean"] = {
+        "value": 39.41472, "standard_error": 0.14119, "n": 54973, "n_censored": 7293, "unit": "a/U"
+    }  # fmt: skip
+    lines = summary_lines(with_physical(found, Scales(1.0, 0.2)))
+    assert lines[0] == "residence time: 7.883 ± 0.028 s = 39.41 ± 0.14 a/U (n = 54973, 7293 censored)"
+    assert any(line.startswith("mean squared displacement at the end: 7.00 ± 0.50 µm² = ") for line in lines)
+
+
+def test_the_page_of_a_scene_with_units_is_in_them_alone() -> None:
+    found = summary_of(synthetic.encounters(synthetic.info(), swimmer=np.zeros(0, np.int32)))
+    assert "| mean squared displacement at the end | 7.00 ± 0.50 a² (n = 1) |" in summary_page(found)
+    page = summary_page(with_physical(found, Scales(2.0, 0.5)))
+    assert "| mean squared displacement at the end | 28.0 ± 2.0 µm² (n = 1) |" in page
+    assert "a²" not in page
 
 
 def test_a_summary_of_a_million_encounters_takes_seconds() -> None:

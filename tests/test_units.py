@@ -41,6 +41,36 @@ def test_strings_become_numbers_in_a_and_u(text: str, dimension: str, number: fl
     )
 
 
+@pytest.mark.parametrize(
+    ("text", "dimension", "number"),
+    [
+        # E. coli (Drescher et al., PNAS 108, 10940, 2011): a force of 0.42 pN over 1.9 um
+        ("0.42 pN * 1.9 um", "dipole", 0.798), ("0.42pN*1.9um", "dipole", 0.798),
+        ("0.42 pN × 1900 nm", "dipole", 0.798),
+        ("2 * 3 um", "length", 6.0), ("3 um * 2", "length", 6.0), ("2 um * 3 um * 4 s^-1", "diffusivity", 24.0),
+        ("1e6 nm**2/s", "diffusivity", 1.0), ("2 pN*um", "dipole", 2.0),
+        ("25 degC", "temperature", 298.15), ("-10 °C", "temperature", 263.15), ("300 K", "temperature", 300.0),
+    ],
+)  # fmt: skip
+def test_products_and_degrees_celsius_are_read(text: str, dimension: str, number: float) -> None:
+    assert read_quantity(text, dimension) == pytest.approx(number, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension"),
+    [("2 * 3", "length"), ("2 um * 3 um", "length"), ("2 um ** 3", "length"), ("2 um * x", "length"),
+     ("2 um *", "length"), ("25 degC * 2", "temperature"), ("25 degF", "temperature")],
+)  # fmt: skip
+def test_a_product_of_another_kind_is_refused(text: str, dimension: str) -> None:
+    with pytest.raises(ValueError, match=f"a {dimension}"):
+        read_quantity(text, dimension)
+
+
+def test_nothing_is_colder_than_absolute_zero() -> None:
+    with pytest.raises(SceneError, match=r"units\.temperature: expected more than 0, found '-274 degC'"):
+        Scene.from_mapping(physical(temperature="-274 degC"))
+
+
 def test_degrees_of_angle_are_turned_into_radians() -> None:
     assert JANUS.number("1 deg^2/s", "rotational diffusivity") == pytest.approx(
         3.0461741978670857e-4 / 5.0, rel=ROUNDING

@@ -16,7 +16,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import rerun_cli
+from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
+
+from porous_swim.observers.timeline import SECONDS, STEP
 
 _LOAD_SECONDS = 120.0
 
@@ -26,23 +29,45 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("recording", type=Path)
     parser.add_argument("picture", type=Path)
-    parser.add_argument("--time", type=float, help="simulated time in a/U; by default as the recording opens")
+    parser.add_argument("--time", type=float, help="step, or seconds where the scene has units; by default as it opens")
     parser.add_argument("--view", help="name of the one view to show; by default the whole window")
     parser.add_argument("--size", default="1400x900", help="of the window, in points; a point is two pixels")
     parser.add_argument("--wait", type=float, default=8.0, help="seconds to settle: messages fade, texts are set")
     options = parser.parse_args()
-    with _viewer(options.recording, size=options.size) as viewer:
-        if options.time is not None:
-            viewer.set_time("sim_time", duration=options.time, play_state="paused")
-        time.sleep(options.wait)
-        views = {view.name: view for view in viewer.get_state().views}
-        for view in views.values():
-            for report in view.reports:
-                print(f"{view.name}: {report.severity}: {report.summary}", file=sys.stderr)
-        if options.view is not None and options.view not in views:
-            sys.exit(f"{options.view!r} is no view of {options.recording}: use one of {', '.join(map(str, views))}")
-        chosen = {} if options.view is None else {"view_id": views[options.view].view_id}
-        viewer.save_screenshot(str(options.picture.resolve()), **chosen)
+    screenshot(
+        options.recording, options.picture, moment=options.time, view=options.view, size=options.size, wait=options.wait
+    )
+
+
+def screenshot(
+    recording: Path, picture: Path, *, moment: float | None = None, view: str | None = None, size: str = "1400x900",
+    wait: float = 8.0,
+) -> None:  # fmt: skip
+    """Take a picture; what a view complains of goes to stderr. For the arguments see the command line."""
+    with _viewer(recording, size=size) as viewer:
+        if moment is not None:
+            _go_to(viewer, recording, moment)
+        time.sleep(wait)
+        views = {found.name: found for found in viewer.get_state().views}
+        for found in views.values():
+            for report in found.reports:
+                print(f"{found.name}: {report.severity}: {report.summary}", file=sys.stderr)
+        if view is not None and view not in views:
+            sys.exit(f"{view!r} is no view of {recording}: use one of {', '.join(map(str, views))}")
+        chosen = {} if view is None else {"view_id": views[view].view_id}
+        viewer.save_screenshot(str(picture.resolve()), **chosen)
+
+
+def _go_to(viewer: ViewerClient, recording: Path, moment: float) -> None:
+    """Stop at a moment of the time line on show."""
+    name = time_line(recording)
+    where = {"sequence": round(moment)} if name == STEP else {"duration": moment}
+    viewer.set_time(name, **where, play_state="paused")
+
+
+def time_line(recording: Path) -> str:
+    """The time line on show: seconds where the recording has them, else steps."""
+    return SECONDS if f"'{SECONDS}'" in RrdReader(recording).store().summary() else STEP
 
 
 @contextlib.contextmanager

@@ -25,6 +25,7 @@ from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED
 from porous_swim.analysis.winding import Winding, winding
 from porous_swim.encounters import Encounters, parts_of
+from porous_swim.scales import pretty
 from porous_swim.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
@@ -181,11 +182,13 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
 
 
 def summary_page(summary: Mapping[str, Any]) -> str:
-    """The same as a table and a list in Markdown, for the recording."""
+    """The same as a table and a list in Markdown, for the recording; in the laboratory's units where it has them."""
     rows = []
     for label, (group, name) in _LINES:
         if summary[group][name]["value"] is not None:
-            rows.append(f"| {label} | {_in_words(summary[group][name])} |")
+            statistic = summary[group][name]
+            shown = {**statistic, **statistic.get("physical", {}), "physical": None}
+            rows.append(f"| {label} | {_in_words(shown)} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
     warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])
     return f"{table}\n\n{warnings}" if warnings else table
@@ -196,4 +199,8 @@ def _in_words(statistic: Mapping[str, Any]) -> str:
     counts = f"n = {statistic['n']}"
     if statistic["n_censored"]:
         counts += f", {statistic['n_censored']} censored"
-    return f"{value_and_error(value, error, digits=3)}{' ' + unit if unit else ''} ({counts})"
+    text = f"{value_and_error(value, error, digits=3)} {pretty(unit)}".rstrip()
+    if (found := statistic.get("physical")) is not None:  # in a scene with units
+        laboratory = value_and_error(found["value"], found["standard_error"], digits=3)
+        text = f"{laboratory} {pretty(found['unit'])} = {text}"
+    return f"{text} ({counts})"

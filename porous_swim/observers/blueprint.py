@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import rerun.blueprint as rrb
 
-from porous_swim.observers.plots import Plots, bars
+from porous_swim.observers.plots import Plots
 from porous_swim.observers.space import Space
-from porous_swim.observers.stream import TIME
-
-_SHOW_SECONDS = 40.0  # time in which the viewer plays a whole run
+from porous_swim.observers.timeline import TimeLine
+from porous_swim.scales import Scales
 
 
 @dataclass(frozen=True)
@@ -18,6 +17,8 @@ class Layout:
     """What there is to show."""
 
     space: Space
+    timeline: TimeLine
+    scales: Scales | None
     has_colloids: bool
     has_trails: bool
     followed: int | None  # the swimmer that has a page
@@ -37,26 +38,19 @@ class Layout:
             rrb.Tabs(*pages, active_tab=0),
             rrb.BlueprintPanel(state="collapsed"),
             rrb.SelectionPanel(state="collapsed"),
-            # the recording plays as it opens: trails and counts grow from the start
-            rrb.TimePanel(
-                state="collapsed",
-                timeline=TIME,
-                play_state="playing",
-                loop_mode="all",
-                playback_speed=float(f"{max(self.space.duration, 1e-9) / _SHOW_SECONDS:.1g}"),
-            ),
+            self.timeline.panel(self.space.duration),
         )
 
     @property
     def _plots(self) -> Plots:
-        return Plots(self.space.duration)
+        return Plots(self.space.duration, self.timeline, self.scales)
 
     def _medium(self) -> rrb.Horizontal:
         views = [self.space.recorded(), *([self.space.tracked()] if self.has_trails else [])]
         space = rrb.Tabs(*views, active_tab=int(self.space.crowded)) if len(views) > 1 else views[0]
         panels: list[rrb.Container | rrb.View] = [self._series()]
         if self.distributions:
-            panels.append(rrb.Tabs(*map(bars, self.distributions), active_tab=0))
+            panels.append(self._plots.tabs(self.distributions))
         panels.append(_summary())
         shares = [3, 3, 4] if self.distributions else [1, 1]  # the text needs most room
         return _page("Medium and swimmers", space, rrb.Vertical(*panels, row_shares=shares))
@@ -77,12 +71,12 @@ class Layout:
 
     def _network(self) -> rrb.Horizontal:
         caption = rrb.TextDocumentView(name="Network", origin="/network")
-        panels = rrb.Vertical(caption, self._plots.events(), bars("hop_time"), row_shares=[2, 3, 3])
+        panels = rrb.Vertical(caption, self._plots.events(), self._plots.bars("hop_time"), row_shares=[2, 3, 3])
         return _page("Hop network", self.space.hops(), panels)
 
     def _distributions(self) -> rrb.Grid:
         columns = min(2, len(self.distributions))
-        return rrb.Grid(*map(bars, self.distributions), grid_columns=columns, name="Distributions")
+        return rrb.Grid(*map(self._plots.bars, self.distributions), grid_columns=columns, name="Distributions")
 
 
 def _page(name: str, space: rrb.Container | rrb.View, panels: rrb.Vertical) -> rrb.Horizontal:

@@ -12,15 +12,17 @@ from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
 from porous_swim.observers.trails import wrapped
 from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.scales import Scales, shown_in
 
 _MARGIN = 2.0  # a, around the path beside the colloid there
 
 
 class FollowedTrack:
-    """Height of the centre above the surface, a, and pitch, rad, of one `swimmer`; as the trajectory has them."""
+    """Height of the centre above the surface, a or um, and pitch, rad, of one `swimmer`; as the trajectory has them."""
 
-    def __init__(self, file: RecordingFile, field: ObstacleField, swimmer: int) -> None:
+    def __init__(self, file: RecordingFile, field: ObstacleField, swimmer: int, scales: Scales | None) -> None:
         self._file, self._field, self._swimmer = file, field, swimmer
+        self._length, _ = shown_in("a", scales)
         self._moments = Moments()
         self._rows: dict[str, list[np.ndarray]] = {}
         self._visited: set[int] = set()
@@ -59,7 +61,7 @@ class FollowedTrack:
         corners = np.concatenate([self._corners, shown - room, shown + room])
         self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
         self._visited |= set(colloid.tolist())
-        for name, values in (("height", height), ("pitch", np.arcsin(np.clip(sine, -1.0, 1.0)))):
+        for name, values in (("height", height * self._length), ("pitch", np.arcsin(np.clip(sine, -1.0, 1.0)))):
             self._file.send(f"followed/{name}", rr.Scalars.columns(scalars=values), self._moments)
         self._moments, self._rows = Moments(), {}
         self._file.flush()

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import rerun as rr
 import rerun.blueprint as rrb
 
 from porous_swim.observers.lanes import lane_of
+from porous_swim.observers.timeline import TimeLine
+from porous_swim.scales import Scales, shown_in
 
 _NONE = rrb.PlotLegend(visible=False)
 _RISING, _LEVEL = rrb.PlotLegend(rrb.Corner2D.LeftTop), rrb.PlotLegend(rrb.Corner2D.RightTop)  # clear of the lines
-_TITLES = {
-    "residence": "Residence time (a/U)",
-    "winding": "Winding (turns)",
-    "hop_time": "Hop time (a/U)",
-    "survival": "Share of encounters that last longer (a/U)",
+_TABS = {"residence": "Residence", "survival": "Survival", "winding": "Winding", "hop_time": "Hop time"}
+_AXES = {  # what a bar's height is, and what it stands over, with the unit of that
+    "residence": ("encounters that ended", "residence time", "a/U"),
+    "survival": ("share of encounters that last longer", "time", "a/U"),
+    "winding": ("encounters that ended", "winding", "turns"),
+    "hop_time": ("hops", "hop time", "a/U"),
 }
 
 
@@ -24,6 +27,8 @@ class Plots:
     """Plots over the time of a run of `duration`, a/U."""
 
     duration: float
+    timeline: TimeLine
+    scales: Scales | None
 
     def fractions(self) -> rrb.TimeSeriesView:
         """Shares of the swimmers in each state."""
@@ -35,11 +40,12 @@ class Plots:
 
     def msd(self) -> rrb.TimeSeriesView:
         """Mean squared displacement."""
-        return self._series("MSD (a²)", "/series/msd", legend=_RISING)
+        return self._series(f"MSD ({shown_in('a^2', self.scales)[1]})", "/series/msd", legend=_RISING)
 
     def height(self) -> rrb.TimeSeriesView:
         """Height of the followed swimmer."""
-        return self._series("Height above the nearest colloid (a)", "/followed/height")
+        _, unit = shown_in("a", self.scales)
+        return self._series(f"Height above the nearest colloid ({unit})", "/followed/height")
 
     def pitch(self) -> rrb.TimeSeriesView:
         """Pitch of the followed swimmer."""
@@ -56,16 +62,19 @@ class Plots:
 
     @property
     def _axis(self) -> rrb.TimeAxis:
-        boundary = rrb.TimeRangeBoundary.absolute
-        whole = rr.TimeRange(start=boundary(seconds=0), end=boundary(seconds=self.duration))
-        return rrb.TimeAxis(view_range=whole)
+        return rrb.TimeAxis(view_range=self.timeline.whole(self.duration))
+
+    def bars(self, name: str) -> rrb.BarChartView:
+        """The distribution of that name; its title names the axes, which the viewer cannot."""
+        upwards, along, unit = _AXES[name]
+        title = f"↑ {upwards}   → {along} ({shown_in(unit, self.scales)[1]})"
+        return rrb.BarChartView(name=title, origin=f"/histograms/{name}", plot_legend=_NONE)
+
+    def tabs(self, names: Sequence[str]) -> rrb.Tabs:
+        """Several distributions in one place."""
+        return rrb.Tabs(*(rrb.Vertical(self.bars(name), name=_TABS[name]) for name in names), active_tab=0)
 
     def _series(
         self, name: str, origin: str, *, axis_y: rrb.ScalarAxis | None = None, legend: rrb.PlotLegend = _NONE
     ) -> rrb.TimeSeriesView:
         return rrb.TimeSeriesView(name=name, origin=origin, axis_x=self._axis, axis_y=axis_y, plot_legend=legend)
-
-
-def bars(name: str) -> rrb.BarChartView:
-    """The distribution of that name."""
-    return rrb.BarChartView(name=_TITLES[name], origin=f"/histograms/{name}", plot_legend=_NONE)

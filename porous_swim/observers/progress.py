@@ -38,14 +38,15 @@ class Clock(Protocol):
 
 
 def make_progress(
-    schedule: Every, *, n_steps: int, n_swimmers: int, quiet: bool, stream: TextIO | None = None
-) -> Clock:
-    """The progress that suits `stream` (stderr by default): none, a bar, or lines."""
+    schedule: Every, *, n_steps: int, n_swimmers: int, quiet: bool, stream: TextIO | None = None,
+    seconds: float | None = None,
+) -> Clock:  # fmt: skip
+    """The progress that suits `stream` (stderr by default): none, a bar, or lines; `seconds` are those in a/U."""
     stream = stream or sys.stderr
     if quiet:
         return NoProgress(schedule)
     kind = ProgressBar if stream.isatty() else ProgressLines
-    return kind(schedule, n_steps=n_steps, n_swimmers=n_swimmers, stream=stream)
+    return kind(schedule, n_steps=n_steps, n_swimmers=n_swimmers, stream=stream, seconds=seconds)
 
 
 class NoProgress:
@@ -94,8 +95,10 @@ class _Rate:
 class ProgressLines:
     """A line at the start of the clock, then at most one in 30 s, and one at the end."""
 
-    def __init__(self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO) -> None:
-        self.schedule = schedule
+    def __init__(
+        self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
+    ) -> None:
+        self.schedule, self._seconds = schedule, seconds
         self._n_steps, self._stream, self._rate = n_steps, stream, _Rate(n_swimmers=n_swimmers)
         self._last_line = time.monotonic()
         self._last: Frame | None = None
@@ -131,15 +134,17 @@ class ProgressLines:
         self._last_line = time.monotonic()
         share = 100.0 * frame.step / max(self._n_steps, 1)
         ahead = "" if left is None else f", {_duration(left)} left"
-        line = f"{share:5.1f} %  {_state(self._rate.at(frame.step), frame)}{ahead}{end}"
+        line = f"{share:5.1f} %  {_state(self._rate.at(frame.step), frame, self._seconds)}{ahead}{end}"
         tell(line, self._stream)
 
 
 class ProgressBar:
     """A bar with rate, fraction bound and time left, on a terminal; gone when the run is over."""
 
-    def __init__(self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO) -> None:
-        self.schedule = schedule
+    def __init__(
+        self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
+    ) -> None:
+        self.schedule, self._seconds = schedule, seconds
         self._rate = _Rate(n_swimmers=n_swimmers)
         columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
         self._bar = Bar(*columns, console=Console(file=stream), transient=True, refresh_per_second=4)
@@ -155,7 +160,7 @@ class ProgressBar:
     def observe(self, frame: Frame) -> None:
         """Move the bar."""
         if frame.step > 0:
-            text = _state(self._rate.at(frame.step), frame)
+            text = _state(self._rate.at(frame.step), frame, self._seconds)
             self._bar.update(self._task, completed=frame.step, description=text)
 
     def end(self, *, interrupted: bool) -> None:
@@ -171,9 +176,10 @@ class ProgressBar:
         self._bar.stop()
 
 
-def _state(rate: float, frame: Frame) -> str:
+def _state(rate: float, frame: Frame, seconds: float | None) -> str:
     colloids = f", {100.0 * frame.ensemble.fraction_bound:.0f} % bound" if frame.has_colloids else ""
-    return f"t = {frame.time:g} a/U, {rate:.2e} swimmer-steps/s{colloids}"
+    laboratory = "" if seconds is None else f" ({frame.time * seconds:.4g} s)"
+    return f"t = {frame.time:g} a/U{laboratory}, {rate:.2e} swimmer-steps/s{colloids}"
 
 
 def _duration(seconds: float) -> str:

@@ -1,6 +1,7 @@
 """The recording of a run: a Rerun file to look at. The tables of the run are for science.
 
-Lengths in a, times in a/U. Positions are wrapped into the periodic box and in single precision.
+Positions in a, wrapped into the periodic box and in single precision; series and distributions in um and s where those
+are known, else in a and a/U.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ import numpy as np
 import rerun as rr
 
 from porous_swim.errors import RunError
+from porous_swim.observers.above import log_camera, log_scale_bar
 from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.blueprint import Layout
+from porous_swim.observers.bodies import Body
 from porous_swim.observers.colloids import MAX_TRANSLUCENT, log_translucent, log_wall, log_world
 from porous_swim.observers.followed import FollowedTrack
 from porous_swim.observers.network import HopTrack
@@ -24,23 +27,27 @@ from porous_swim.observers.statistics import DISTRIBUTIONS, DistributionTrack, S
 from porous_swim.observers.stream import RecordingFile
 from porous_swim.observers.summary_page import SummaryPage
 from porous_swim.observers.swimmers import SwimmerTrack
+from porous_swim.observers.timeline import TimeLine
 from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.scales import Scales
 
 LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
 # measured, a row of one frame: position and state; of a trail: also director, segment and a second point
 _SWIMMER_BYTES, _TRAIL_BYTES = 12.9, 67.0
+_ROD_BYTES = 12.0  # more for a rod, drawn twice where it leaves a trail: how it is turned, or a second end
 
 
-def recording_size(*, n_frames: int, n_swimmers: int, n_trails: int) -> float:
+def recording_size(*, n_frames: int, n_swimmers: int, n_trails: int, rods: bool = False) -> float:
     """Expected size of a recording, in bytes."""
-    return n_frames * (_SWIMMER_BYTES * n_swimmers + _TRAIL_BYTES * n_trails)
+    more = _ROD_BYTES if rods else 0.0
+    return n_frames * ((_SWIMMER_BYTES + more) * n_swimmers + (_TRAIL_BYTES + more) * n_trails)
 
 
-def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int) -> str | None:
+def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int, rods: bool = False) -> str | None:
     """One sentence where a recording would be larger than `LARGE_RECORDING`, else None."""
-    size = recording_size(n_frames=n_frames, n_swimmers=n_swimmers, n_trails=n_trails)
+    size = recording_size(n_frames=n_frames, n_swimmers=n_swimmers, n_trails=n_trails, rods=rods)
     if size <= LARGE_RECORDING:
         return None
     return (
@@ -63,8 +70,8 @@ class Recording:
     """Writes `path` while the run goes on, under the name with `.part` appended until `finish`.
 
     `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; the first of
-    these is followed on a page of its own. `n_steps` is the length that the run is meant to have, `swimmer_radius`
-    the semi-minor axis. `units` are the length a in um and the time a/U in s. `RunError` where the file cannot be
+    these is followed on a page of its own. `n_steps` is the length that the run is meant to have, `aspect_ratio`
+    that of the swimmers. `units` are the length a in um and the time a/U in s. `RunError` where the file cannot be
     written.
     """
 
@@ -79,7 +86,7 @@ class Recording:
         recording_id: str,
         time_step: float,
         n_steps: int,
-        swimmer_radius: float,
+        aspect_ratio: float,
         swimmers: np.ndarray,
         trails: np.ndarray,
         provenance: Mapping[str, object],
@@ -87,13 +94,14 @@ class Recording:
     ) -> None:
         self.schedule = schedule
         self._path, self._field, self._id, self._provenance = Path(path), field, recording_id, provenance
-        self._time_step, self._n_steps, self._radius = time_step, n_steps, swimmer_radius
+        self._time_step, self._n_steps, self._aspect_ratio = time_step, n_steps, aspect_ratio
+        self._scales = None if units is None else Scales(*units)
+        self._timeline = TimeLine(time_step, None if units is None else units[1])
         self._swimmers, self._trails = (
             np.asarray(swimmers, dtype=np.int64),
             np.asarray(trails, dtype=np.int64),
         )
-        length, time = units or (None, None)
-        self._page = SummaryPage(name, description, field, len(self._swimmers), length, time)
+        self._page = SummaryPage(name, description, field, len(self._swimmers), self._timeline, self._scales)
         self._file: RecordingFile | None = None
         self._last: Frame | None = None
         self._start: np.ndarray | None = None  # (n_recorded, 3)
@@ -142,7 +150,7 @@ class Recording:
         if self._file is None or self._last is None or self._failed or self._finished:
             return
         self._finished = True
-        step, time = self._last.step, self._last.time
+        step, time = self._last.step, self._page.time(self._last.time)
         for track in self._tracks:
             track.finish()
         if self._crowded and len(self._trails):
@@ -153,14 +161,14 @@ class Recording:
                 which=np.array(sorted(self._visited)[:MAX_TRANSLUCENT]),
             )
         if interrupted:
-            status = f"**Interrupted** at step {step:,} of {self._n_steps:,} (time {time:g} a/U)."
+            status = f"**Interrupted** at step {step:,} of {self._n_steps:,} (time {time})."
             self._say(f"interrupted at step {step} of {self._n_steps}", "WARN", self._last)
         else:
-            status = f"Finished: {step:,} steps of {self._time_step:g} a/U."
+            status = f"Finished: {step:,} steps, to time {time}."
             self._say(f"finished at step {step}", "INFO", self._last)
         self._write_page(self._page.text(self._last, status=status, results=self._results))
         layout = self._layout(self._last, self._distributions.drawn)
-        self._draw_wall(layout.space.scenery)
+        self._draw_surroundings(layout.space)
         self._file.lay_out(layout.blueprint())
         self._file.close()
 
@@ -175,32 +183,32 @@ class Recording:
     def _open(self, frame: Frame) -> None:
         self._start = frame.position[self._swimmers]
         layout = self._layout(frame, self._possible)
-        self._file = file = RecordingFile(self._path, recording_id=self._id)
+        self._file = file = RecordingFile(self._path, recording_id=self._id, timeline=self._timeline)
         file.lay_out(layout.blueprint())
         file.describe(self._page.name, self._provenance)
         log_world(file, self._field)
-        self._draw_wall(layout.space.scenery)
-        self._tracks = self._make_tracks(file, radius=layout.space.scenery.drawn_radius(self._radius))
+        self._draw_surroundings(layout.space)
+        self._tracks = self._make_tracks(file, layout.space.scenery.body(self._aspect_ratio))
         self._write_page(self._page.text(frame, status="*Cut short: the run was under way when this was written.*"))
         self._say(f"started: {frame.ensemble.n_swimmers} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
         file.flush()
 
-    def _make_tracks(self, file: RecordingFile, *, radius: float) -> list[Track]:
+    def _make_tracks(self, file: RecordingFile, body: Body) -> list[Track]:
         n_frames = self._n_steps // self.schedule.period + 1
         self._distributions = DistributionTrack(
-            file, names=self._possible, time_step=self._time_step, n_frames=n_frames
+            file, names=self._possible, time_step=self._time_step, n_frames=n_frames, scales=self._scales
         )
         swimmers = SwimmerTrack(
             file, swimmers=self._swimmers, trails=self._trails, followed=self._followed, box=self._field.box,
-            radius=radius,
+            body=body,
         )  # fmt: skip
         tracks: list[Track] = [
             swimmers,
-            SeriesTrack(file),
+            SeriesTrack(file, self._scales),
             self._distributions,
         ]
         if self._followed is not None:
-            self._follower = FollowedTrack(file, self._field, self._followed)
+            self._follower = FollowedTrack(file, self._field, self._followed, self._scales)
             tracks.append(self._follower)
         if "hop_time" in self._possible:
             duration = self._n_steps * self._time_step
@@ -232,6 +240,7 @@ class Recording:
             scenery=scenery,
             # in open space a lone swimmer may go far
             close=self._follower.scenery() if self._follower is not None and self._field.periodic else scenery,
+            timeline=self._timeline,
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
             flat=self._field.dimensions == 2 or isinstance(self._field, WallField),
@@ -239,15 +248,23 @@ class Recording:
         )
         return Layout(
             space,
+            self._timeline,
+            self._scales,
             has_colloids=len(self._field.centers) > 0,
             has_trails=len(self._trails) > 0,
             followed=self._followed,
             distributions=distributions,
         )
 
-    def _draw_wall(self, scenery: Scenery) -> None:
-        if self._file is not None and isinstance(self._field, WallField):
-            log_wall(self._file, self._field, scenery)
+    def _draw_surroundings(self, space: Space) -> None:
+        """What follows from the scenery: the part of a wall; in a plane the camera above it and the scale bars."""
+        assert self._file is not None
+        if isinstance(self._field, WallField):
+            log_wall(self._file, self._field, space.scenery)
+        if self._field.dimensions == 2:
+            log_camera(self._file, space.scenery)
+            log_scale_bar(self._file, "world/scale", space.scenery, self._scales)
+            log_scale_bar(self._file, "world/followed/scale", space.close, self._scales)
 
     def _write_page(self, text: str) -> None:
         assert self._file is not None

@@ -8,9 +8,10 @@ import rerun as rr
 from porous_swim.analysis.survival import survival_curve
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Frame
 from porous_swim.observers.histogram import GrowingHistogram
-from porous_swim.observers.palette import HOP_COLOR, MSD_COLOR, RETURN_COLOR, STATE_COLORS, SURVIVAL_COLOR
+from porous_swim.observers.palette import BAR_COLOR, HOP_COLOR, MSD_COLOR, RETURN_COLOR, STATE_COLORS
 from porous_swim.observers.pictures import Pictures
 from porous_swim.observers.stream import BATCH_ROWS, Moments, RecordingFile
+from porous_swim.scales import Scales, shown_in
 
 _SURVIVAL_BARS = 64
 DISTRIBUTIONS = "residence", "survival", "winding", "hop_time"
@@ -29,8 +30,9 @@ _LINES = {
 class SeriesTrack:
     """Fractions, mean squared displacement, hops and returns, over all swimmers."""
 
-    def __init__(self, file: RecordingFile) -> None:
+    def __init__(self, file: RecordingFile, scales: Scales | None) -> None:
         self._file = file
+        self._area, _ = shown_in("a^2", scales)
         self._moments = Moments()
         self._rows: list[tuple[float, ...]] = []
         for entity, (label, color) in _LINES.items():
@@ -46,7 +48,7 @@ class SeriesTrack:
             everyone.fraction_contact,
             frame.counts.n_hops / n_swimmers,
             frame.counts.n_returns / n_swimmers,
-            everyone.msd,
+            everyone.msd * self._area,
         )
         self._moments.add(frame)
         self._rows.append(values)
@@ -69,9 +71,12 @@ class DistributionTrack(Pictures):
     `names` are those to show, of `DISTRIBUTIONS`; `drawn` are those that there was something to show of.
     """
 
-    def __init__(self, file: RecordingFile, *, names: tuple[str, ...], time_step: float, n_frames: int) -> None:
+    def __init__(
+        self, file: RecordingFile, *, names: tuple[str, ...], time_step: float, n_frames: int, scales: Scales | None
+    ) -> None:
         super().__init__(n_frames=n_frames)
         self._file, self._names = file, names
+        self._time, _ = shown_in("a/U", scales)
         self._pictures: set[str] = set()
         self._ended: list[np.ndarray] = []  # residence times
         self._under_way = np.zeros(0)
@@ -95,10 +100,10 @@ class DistributionTrack(Pictures):
 
     def draw(self, *, step: int, time: float) -> None:
         """Log the distributions as they stand."""
-        colors = {"residence": STATE_COLORS[CONTACT], "winding": STATE_COLORS[BOUND], "hop_time": HOP_COLOR}
         for name, histogram in self._histograms.items():
             if name in self._names and len(histogram.counts):
-                bars = _bars(histogram.counts.copy(), edges=histogram.edges, color=colors[name])
+                factor = 1.0 if name == "winding" else self._time
+                bars = _bars(histogram.counts.copy(), edges=factor * histogram.edges)
                 self._log(name, bars, step=step, time=time)
         self._draw_survival(step=step, time=time)
 
@@ -110,7 +115,7 @@ class DistributionTrack(Pictures):
             return
         curve = survival_curve(length, ended=np.arange(len(length)) < len(self._ended[0]))
         edges = np.linspace(0.0, longest, _SURVIVAL_BARS + 1)
-        bars = _bars(curve.at(edges[:-1]), edges=edges, color=SURVIVAL_COLOR)
+        bars = _bars(curve.at(edges[:-1]), edges=self._time * edges)
         self._log("survival", bars, step=step, time=time)
 
     def _log(self, name: str, bars: rr.BarChart, *, step: int, time: float) -> None:
@@ -118,6 +123,6 @@ class DistributionTrack(Pictures):
         self._file.log_at(f"histograms/{name}", bars, step=step, time=time)
 
 
-def _bars(values: np.ndarray, *, edges: np.ndarray, color: tuple[int, int, int]) -> rr.BarChart:
+def _bars(values: np.ndarray, *, edges: np.ndarray) -> rr.BarChart:
     # the viewer (0.41) draws a bar from its abscissa on, not around it
-    return rr.BarChart(values, abscissa=edges[:-1], widths=np.diff(edges).astype(np.float32), color=color)
+    return rr.BarChart(values, abscissa=edges[:-1], widths=np.diff(edges).astype(np.float32), color=BAR_COLOR)

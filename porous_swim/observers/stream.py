@@ -18,11 +18,11 @@ from rerun.chunk import RrdReader
 
 from porous_swim.errors import RunError
 from porous_swim.observers.base import Frame
+from porous_swim.observers.timeline import TimeLine
 
 APPLICATION = "porous_swim"
 # a flush of a few MB on a slow disk; without a limit it may wait for ever for a writer that met a full disk
 _FLUSH_SECONDS = 30.0
-STEP, TIME = "step", "sim_time"  # the two timelines: a whole number of steps, and a/U
 BATCH_ROWS = 256  # of a series: a row on its own costs a kilobyte
 
 
@@ -46,8 +46,8 @@ class Moments:
 class RecordingFile:
     """One .rrd file in the making, under the name with `.part` appended until it is closed."""
 
-    def __init__(self, path: Path | str, *, recording_id: str) -> None:
-        self.path = Path(path)
+    def __init__(self, path: Path | str, *, recording_id: str, timeline: TimeLine) -> None:
+        self.path, self._timeline = Path(path), timeline
         self._part = self.path.with_name(self.path.name + ".part")
         rr.set_strict_mode(True)
         # without properties and log time there is no wall clock in the file: equal runs give equal contents
@@ -65,11 +65,13 @@ class RecordingFile:
         self.stream.set_log_time_enabled(False)
 
     def lay_out(self, blueprint: rrb.Blueprint) -> None:
-        """Set the layout in which the file opens, in place of an earlier one.
+        """Set the layout in which the file opens, in place of an earlier one, and make it the one on show.
+
+        A layout that is only the default is passed over by the viewer in a browser, which makes one of its own.
 
         Not as an argument of `save`, which waits without a limit until it is written: for ever where the disk is full.
         """
-        self.stream.send_blueprint(blueprint, make_active=False)
+        self.stream.send_blueprint(blueprint, make_active=True)
 
     def describe(self, name: str, provenance: Mapping[str, object]) -> None:
         """Store the recording's name and its provenance, a flat map of texts and numbers."""
@@ -84,15 +86,13 @@ class RecordingFile:
 
     def log_at(self, entity: str, *archetypes: rr.AsComponents, step: int, time: float) -> None:
         """Log one thing at one moment. Costs about 1 kB of file: for rare things."""
-        self.stream.set_time(STEP, sequence=step)
-        self.stream.set_time(TIME, duration=time)
+        self._timeline.set(self.stream, step=step, time=time)
         self.stream.log(entity, *archetypes)
         self.stream.reset_time()
 
     def send(self, entity: str, columns: rr.ComponentColumnList, moments: Moments) -> None:
         """Send one row per moment. The SDK keeps references: hand over arrays that nothing will change."""
-        index = [rr.TimeColumn(STEP, sequence=moments.steps), rr.TimeColumn(TIME, duration=moments.times)]
-        self.stream.send_columns(entity, index, columns)
+        self.stream.send_columns(entity, self._timeline.columns(moments.steps, moments.times), columns)
 
     def flush(self) -> None:
         """Wait until all that was sent is on disk; `RunError` where it cannot be."""

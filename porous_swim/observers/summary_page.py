@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from porous_swim.observers.base import Frame
+from porous_swim.observers.timeline import TimeLine
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.scales import Scales, shown_in
 
 
 @dataclass(frozen=True)
@@ -16,8 +18,8 @@ class SummaryPage:
     description: str
     field: ObstacleField
     n_recorded: int
-    unit_length: float | None  # um in a
-    unit_time: float | None  # s in a/U
+    timeline: TimeLine
+    scales: Scales | None
 
     def text(self, frame: Frame, *, status: str, results: str | None = None) -> str:
         """The page as of `frame`; `results` are tables in Markdown that replace the page's own counts."""
@@ -43,10 +45,18 @@ class SummaryPage:
                 ("hops, returns", f"{counts.n_hops:,}, {counts.n_returns:,}"),
             ]
         body = "\n".join(f"| {label} | {value} |" for label, value in rows)
-        return f"| at time {frame.time:g} a/U | |\n|---|---:|\n{body}"
+        return f"| at time {self.time(frame.time)} | |\n|---|---:|\n{body}"
 
     def _units(self) -> str:
-        text = "Lengths in swimmer half-lengths *a*, times in *a/U*; the time line prints that unit as s."
-        if self.unit_length is not None and self.unit_time is not None:
-            text += f" Here *a* = {self.unit_length:g} µm and *a/U* = {self.unit_time:g} s."
-        return text
+        line = f"The time line counts {self.timeline.words}."
+        if self.scales is None:
+            return f"Lengths in swimmer half-lengths *a*, times in *a/U*. {line}"
+        return (
+            f"*a* = {self.scales.length:g} µm and *a/U* = {self.scales.time:g} s. {line} "
+            "Positions of colloids and swimmers are in *a*."
+        )
+
+    def time(self, time: float) -> str:
+        """A time, a/U, in words."""
+        factor, unit = shown_in("a/U", self.scales)
+        return f"{time * factor:g} {unit}"

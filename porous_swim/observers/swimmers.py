@@ -6,9 +6,9 @@ Positions in a, wrapped into the periodic box; rows wait here until they fill a 
 from __future__ import annotations
 
 import numpy as np
-import rerun as rr
 
 from porous_swim.observers.base import Frame
+from porous_swim.observers.bodies import Body
 from porous_swim.observers.lanes import LaneTrack
 from porous_swim.observers.stream import Moments, RecordingFile
 from porous_swim.observers.trails import TrailTrack, wrapped
@@ -22,26 +22,25 @@ class SwimmerTrack:
 
     def __init__(
         self, file: RecordingFile, *, swimmers: np.ndarray, trails: np.ndarray, followed: int | None,
-        box: np.ndarray, radius: float,
+        box: np.ndarray, body: Body,
     ) -> None:  # fmt: skip
-        self._file, self._swimmers, self._box = file, swimmers, box
+        self._file, self._swimmers, self._box, self._body = file, swimmers, box, body
         self._moments = Moments()  # of the rows that wait
-        self._positions: list[np.ndarray] = []
-        self._states: list[np.ndarray] = []
+        self._rows: dict[str, list[np.ndarray]] = {"position": [], "director": [], "state": []}
         self._lanes = LaneTrack(file, trails)
         shown = {"tracked": trails, "followed": np.array([] if followed is None else [followed], dtype=np.int64)}
         self._trails = [
-            TrailTrack(file, f"world/{name}", swimmers=ids, box=box, radius=radius)
+            TrailTrack(file, f"world/{name}", swimmers=ids, box=box, body=body)
             for name, ids in shown.items()
             if len(ids)
         ]
-        file.log("world/swimmers", rr.Points3D.from_fields(radii=[radius], show_labels=False))
+        file.log("world/swimmers", body.style(len(swimmers)))
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame; send the batch when it is full."""
         self._moments.add(frame)
-        self._positions.append(frame.position[self._swimmers])
-        self._states.append(frame.state[self._swimmers])
+        for name, rows in self._rows.items():
+            rows.append(getattr(frame, name)[self._swimmers])
         self._lanes.observe(frame)
         for trails in self._trails:
             trails.observe(frame)
@@ -53,14 +52,12 @@ class SwimmerTrack:
         if not len(self._moments):
             return
         if len(self._swimmers):
-            positions = wrapped(np.concatenate(self._positions), self._box)
-            states = np.concatenate(self._states).astype(np.uint16)
-            points = rr.Points3D.columns(positions=positions, class_ids=states)
-            self._file.send(
-                "world/swimmers", points.partition([len(self._swimmers)] * len(self._moments)), self._moments
-            )
+            position, director, state = (np.concatenate(rows) for rows in self._rows.values())
+            n = len(self._swimmers)
+            bodies = self._body.columns(wrapped(position, self._box), director, state, n)
+            self._file.send("world/swimmers", bodies.partition([n] * len(self._moments)), self._moments)
         for trails in self._trails:
             trails.send(self._moments)
         self._lanes.send()
-        self._moments, self._positions, self._states = Moments(), [], []
+        self._moments, self._rows = Moments(), {name: [] for name in self._rows}
         self._file.flush()

@@ -6,24 +6,23 @@ import numpy as np
 import rerun as rr
 
 from porous_swim.observers.base import Frame
+from porous_swim.observers.bodies import Body
 from porous_swim.observers.palette import DIRECTOR
 from porous_swim.observers.stream import Moments, RecordingFile
 
 
 class TrailTrack:
-    """The `swimmers` (ids as in the frames) below `entity`, each drawn with semi-minor axis `radius`, a.
+    """The `swimmers` (ids as in the frames) below `entity`, each drawn as `body`.
 
     Positions are wrapped into the periodic `box` (3,); rows wait until `send`.
     """
 
-    def __init__(
-        self, file: RecordingFile, entity: str, *, swimmers: np.ndarray, box: np.ndarray, radius: float
-    ) -> None:
-        self._file, self._entity, self._swimmers, self._box, self._radius = file, entity, swimmers, box, radius
+    def __init__(self, file: RecordingFile, entity: str, *, swimmers: np.ndarray, box: np.ndarray, body: Body) -> None:
+        self._file, self._entity, self._swimmers, self._box, self._body = file, entity, swimmers, box, body
         self._rows: dict[str, list[np.ndarray]] = {}
         self._last: np.ndarray | None = None  # (n, 3) unwrapped, of the last frame that was sent
-        file.log(f"{entity}/swimmers", rr.Points3D.from_fields(radii=[radius], show_labels=False))
-        arrows = rr.Arrows3D.from_fields(radii=[0.25 * radius], colors=[DIRECTOR], show_labels=False)
+        file.log(f"{entity}/swimmers", body.style(len(swimmers)))
+        arrows = rr.Arrows3D.from_fields(radii=[0.25 * body.radius], colors=[DIRECTOR], show_labels=False)
         file.log(f"{entity}/directors", arrows)
         file.log(f"{entity}/trails", rr.LineStrips3D.from_fields(radii=[-1.25], show_labels=False))
 
@@ -35,11 +34,11 @@ class TrailTrack:
     def send(self, moments: Moments) -> None:
         """Send the rows that wait, one for each of `moments`."""
         rows = self._drawn(*(np.stack(self._rows[name]) for name in ("position", "director", "state")))
-        points = rr.Points3D.columns(positions=rows["positions"], class_ids=rows["states"])
+        bodies = self._body.columns(rows["positions"], rows["directors"], rows["states"], len(self._swimmers))
         arrows = rr.Arrows3D.columns(vectors=rows["vectors"], origins=rows["origins"])
         strips = rr.LineStrips3D.columns(strips=rows["segments"], class_ids=rows["states"])
         lengths = [len(self._swimmers)] * len(moments)
-        for name, columns in (("swimmers", points), ("directors", arrows), ("trails", strips)):
+        for name, columns in (("swimmers", bodies), ("directors", arrows), ("trails", strips)):
             self._file.send(f"{self._entity}/{name}", columns.partition(lengths), moments)
         self._rows = {}
 
@@ -50,13 +49,14 @@ class TrailTrack:
         # drawn whole in the image where it ends: a trail breaks at the box and never crosses it
         start = (end - (position - before)).astype(np.float32)
         self._last = position[-1]
-        # an arrow is the body of a slender swimmer and sticks out of a round one
-        tail = (1.0 - min(self._radius, 1.0)) * director
+        # an arrow sticks out of its body
+        reach = self._body.half_length + 1.5 * self._body.radius
         return {
             "positions": end.reshape(-1, 3),
+            "directors": director.reshape(-1, 3),
             "states": state.ravel().astype(np.uint16),
-            "origins": (end - tail).astype(np.float32).reshape(-1, 3),
-            "vectors": (tail + (1.0 + 1.5 * self._radius) * director).astype(np.float32).reshape(-1, 3),
+            "origins": end.reshape(-1, 3),
+            "vectors": (reach * director).astype(np.float32).reshape(-1, 3),
             "segments": np.stack([start, end], axis=2).reshape(-1, 2, 3),
         }
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from porous_swim.observers.bodies import Body
 from porous_swim.obstacles.field import ObstacleField
 
 _MARGIN = 1.15  # of the size that fits exactly
 _HALF_VIEW = np.tan(np.radians(55.0) / 2.0)  # Rerun's vertical field of view
-_MIN_DOT = 1.0 / 400.0  # of the scene's size: the smallest swimmer that is still seen as a dot
+_MIN_DOT = 1.0 / 400.0  # of the scene's size: the smallest sphere that is still seen as a dot
 
 
 @dataclass(frozen=True)
@@ -46,19 +47,14 @@ class Scenery:
         return float(np.max(self.upper - self.lower))
 
     def eye(self) -> tuple[np.ndarray, np.ndarray]:
-        """Position of the camera and its upward direction, each (3,).
-
-        A plane is seen from above, leaning a little so that spheres look round; space from a corner.
-        """
-        if self.dimensions == 2:
-            edges = (self.upper - self.lower)[:2]
-            direction, up = np.array([0.0, -0.07, 1.0]), np.array([0.0, 1.0, 0.0])
-            distance = 0.5 * float(np.max(edges)) / _HALF_VIEW
-        else:
-            direction, up = np.array([0.55, -0.85, 0.5]), np.array([0.0, 0.0, 1.0])
-            distance = 0.52 * float(np.linalg.norm(self.upper - self.lower)) / _HALF_VIEW
+        """Position and upward direction, each (3,), of a camera that sees space from a corner."""
+        direction, up = np.array([0.55, -0.85, 0.5]), np.array([0.0, 0.0, 1.0])
+        distance = 0.52 * float(np.linalg.norm(self.upper - self.lower)) / _HALF_VIEW
         return self.center + _MARGIN * distance * direction / np.linalg.norm(direction), up
 
-    def drawn_radius(self, swimmer_radius: float) -> float:
-        """Radius at which a swimmer is drawn: its own, or that of the smallest visible dot."""
-        return max(swimmer_radius, _MIN_DOT * self.size)
+    def body(self, aspect_ratio: float) -> Body:
+        """A swimmer of half-length 1 as it is drawn: at its own size, or as the smallest that is seen."""
+        dot = _MIN_DOT * self.size
+        if aspect_ratio == 1.0:
+            return Body(max(1.0, dot), max(1.0, dot))
+        return Body(max(aspect_ratio, 0.5 * dot), max(1.0, 2.0 * dot))

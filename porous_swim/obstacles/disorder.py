@@ -31,6 +31,9 @@ class Disorder(Part):
     """Share of the volume (area in 2-D) in colloids; with `domain.size` as near as a whole count comes."""
     min_gap: Annotated[Length, Field(ge=0.0)] = 0.0
     """Least distance between two surfaces. A swimming sphere passes where it is 2 or more."""
+    seed: Annotated[Whole, Field(ge=0, lt=2**64)] | None = None
+    """Where the colloids are follows from it. Set it to keep the medium while `run.seed` changes the swimmers.
+    Left out: `run.seed`."""
 
     def check(self, domain: Domain) -> None:
         """Raise a `KeyedError` unless exactly two of count, packing_fraction and domain.size are given."""

@@ -47,7 +47,7 @@ def _rows(radius: float, member: Member) -> list[Row]:
         return [
             Row(f"A = {radius:g}: contact at t", start, independent=19.76, digit=0.01),
             Row(f"A = {radius:g}: pitch at rest", pitch, independent=0.18107, digit=1e-5),
-            Row(f"A = {radius:g}: held (1: yes)", float(is_held(member)), paper="held", independent=1.0),
+            Row(f"A = {radius:g}: held (1: yes)", float(is_held(member)), paper="1 (held)", independent=1.0),
         ]
     contact, leave, angle = LISTED[radius]
     return [

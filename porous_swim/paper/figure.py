@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
 AGREES, DIFFERS, REPORTED = "agrees", "DIFFERS", "reported"
+_PRINTED = re.compile(r"(about )?(-?\d+(?:\.(\d+))?(?:/\d+)?)")
+_ROUNDING = 1e-3  # of a number without noise: how near two programs, or a number that is exact, are expected to be
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,21 @@ class Row:
             return None
         if self.standard_error or self.independent_error:
             return 4.0 * math.hypot(self.standard_error, self.independent_error)
-        return max(1e-3 * abs(self.independent), self.digit)
+        return max(_ROUNDING * abs(self.independent), self.digit)
+
+    @property
+    def paper_verdict(self) -> str:
+        """Whether ours agrees with the number that the paper prints; nothing where it prints none.
+
+        To agree means within what the paper rounds away, 0.1 % and 4 standard errors of ours: of its own errors it says
+        nothing.
+        """
+        found = printed(self.paper)
+        if found is None:
+            return ""
+        value, rounded = found
+        allowed = max(rounded, _ROUNDING * abs(value)) + 4.0 * self.standard_error
+        return AGREES if abs(self.ours - value) <= allowed else DIFFERS
 
     @property
     def verdict(self) -> str:
@@ -45,14 +63,29 @@ class Row:
         return AGREES if abs(self.ours - self.independent) <= self.tolerance else DIFFERS
 
     def cells(self) -> list[str]:
-        """For a table: quantity, paper, ours, independent, verdict."""
+        """For a table: what stands below `HEADER`."""
         ours = f"{self.ours:.5g}" + (f" ± {self.standard_error:.2g}" if self.standard_error else "")
         other = "" if self.independent is None else f"{self.independent:.6g}"
         other += f" ± {self.independent_error:.2g}" if self.independent_error else ""
-        return [self.quantity, self.paper, ours, other, self.verdict]
+        return [self.quantity, self.paper, ours, other, self.paper_verdict, self.verdict]
 
 
-HEADER = ["quantity", "paper", "ours", "independent", "verdict"]
+HEADER = ["quantity", "paper", "ours", "independent", "against the paper", "against the independent"]
+
+
+def printed(text: str) -> tuple[float, float] | None:
+    """The number that a text begins with, and how far off its rounding may be; None where there is none.
+
+    Half a unit of the last digit, a whole one after `about`; a fraction such as `1/5` is exact.
+    """
+    match = _PRINTED.match(text)
+    if match is None:
+        return None
+    about, number, decimals = match.groups()
+    if "/" in number:
+        return float(Fraction(number)), 0.0
+    unit = 10.0 ** -len(decimals or "")
+    return float(number), unit if about else 0.5 * unit
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,54 +1,19 @@
-"""What a and a/U are in the laboratory, for tables and for second axes."""
+"""Axes of pictures in a and U, and second ones in the laboratory's units."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.ticker import NullFormatter
 
 from porous_swim.plots.style import TEXT_SIZE
-
-_POWERS = {  # unit of a table -> power of a, power of a/U, and its name in the laboratory
-    "a": (1, 0, "µm"),
-    "a^2": (2, 0, "µm²"),
-    "a/U": (0, 1, "s"),
-    "U": (1, -1, "µm/s"),
-    "a U": (2, -1, "µm²/s"),
-    "U/a": (0, -1, "1/s"),
-    "turns U/a": (0, -1, "turns/s"),
-}
-
-
-@dataclass(frozen=True)
-class Scales:
-    """a in um and a/U in s."""
-
-    length: float
-    time: float
-
-    @classmethod
-    def of(cls, units: Mapping[str, Any] | None) -> Scales | None:
-        """From the units of a run's tables; None where the scene had none."""
-        return None if units is None else cls(float(units["length_um"]), float(units["time_s"]))
-
-    def physical(self, unit: str) -> tuple[float, str] | None:
-        """Factor from `unit` to the laboratory's, and the name of that; None for angles, turns and pure numbers."""
-        if unit not in _POWERS:
-            return None
-        length, time, name = _POWERS[unit]
-        return self.length**length * self.time**time, name
+from porous_swim.scales import Scales, pretty
 
 
 def common(scales: Sequence[Scales | None]) -> Scales | None:
     """The scales of runs in one picture: None where they differ, as no one axis can then hold for all."""
     return scales[0] if scales and all(found == scales[0] for found in scales) else None
-
-
-def pretty(unit: str) -> str:
-    """`a^2` as people write it."""
-    return unit.replace("^2", "²")
 
 
 def label_x(axis: Any, text: str, unit: str, scales: Scales | None) -> None:

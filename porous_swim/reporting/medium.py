@@ -74,7 +74,7 @@ def _facts(run: Run) -> dict[str, str]:
     if scene is not None:
         swimmers = scene.swimmers
         facts |= {
-            "dipole strength alpha": f"{swimmers.dipole_strength:g}",
+            "dipole strength alpha": f"{swimmers.dipole_strength:.4g}",
             "aspect ratio gamma": f"{swimmers.aspect_ratio:g}",
             "translational diffusion D": both(scene.translational_diffusion, "a U", scales),
             "rotational diffusion D_r": both(scene.rotational_diffusion, "U/a", scales),

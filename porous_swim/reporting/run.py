@@ -136,13 +136,21 @@ def _labels(every: Sequence[Results], differing: Mapping[str, Sequence[str]]) ->
         ]
     if len(set(names)) < len(names) and 0 < len(differing) <= _MOST_TOLD:
         told = [
-            ", ".join(f"{key.rsplit('.', 1)[-1]} {values[i]}" for key, values in differing.items() if values[i])
+            ", ".join(f"{key.rsplit('.', 1)[-1]} {_short(values[i])}" for key, values in differing.items() if values[i])
             for i in range(len(names))
         ]
         names = [f"{name} ({what})" if what else name for name, what in zip(names, told, strict=True)]
     if len(set(names)) < len(names):
         names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
     return names
+
+
+def _short(value: str) -> str:
+    """A number with many digits in four."""
+    try:
+        return value if len(value) <= 6 else f"{float(value):.4g}"
+    except ValueError:
+        return value
 
 
 def _scene(results: Results) -> tuple[Scene | None, str]:
