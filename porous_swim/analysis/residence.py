@@ -42,7 +42,8 @@ def residence_times(encounters: pa.Table | Encounters, *, horizon: float | None 
     """Residence (trapping) times: the lengths of the encounters, censored ones taken into account.
 
     Encounters that were under way when the table starts add time to `mean` and stay out of the rest.
-    `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter.
+    `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter where at most 2 % last that
+    long, else to `Lifetimes.follow_up`.
     """
     return residence_lifetimes(encounters).summary(horizon=horizon)
 

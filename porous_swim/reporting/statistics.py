@@ -13,10 +13,10 @@ from porous_swim.reporting.section import Cell, Number, Section, Table
 
 _NAMES: dict[tuple[str, ...], str] = {  # where the path in summary.json does not say it in words
     ("residence", "mean"): "mean residence time",
-    ("residence", "restricted_mean"): "mean residence time up to the longest seen",
+    ("residence", "restricted_mean"): "mean residence time up to a horizon",
     ("residence", "mean_completed"): "mean residence time of completed encounters (too short)",
     ("escape_pitch_time", "mean"): "mean time to the escape pitch",
-    ("escape_pitch_time", "restricted_mean"): "mean time to the escape pitch, up to the longest seen",
+    ("escape_pitch_time", "restricted_mean"): "mean time to the escape pitch, up to a horizon",
     ("escape_pitch_time", "mean_completed"): "mean time to the escape pitch where it came (too short)",
     ("winding", "completed"): "winding of completed encounters",
     ("winding", "net"): "net winding of completed encounters",
@@ -29,7 +29,7 @@ _NAMES: dict[tuple[str, ...], str] = {  # where the path in summary.json does no
     ("hops", "nearest_share"): "share of hops to a nearest neighbour",
     ("returns", "rate"): "return rate per swimmer",
     ("flights", "mean"): "mean time between encounters",
-    ("flights", "restricted_mean"): "mean time between encounters, up to the longest seen",
+    ("flights", "restricted_mean"): "mean time between encounters, up to a horizon",
     ("flights", "mean_completed"): "mean time between encounters, completed ones (too short)",
     ("msd", "final"): "mean squared displacement at the end",
     ("diffusivity", "effective"): "effective diffusivity",
