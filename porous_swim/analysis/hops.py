@@ -6,7 +6,7 @@ swimmer's first encounter is neither.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +14,8 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, time_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
-from porous_swim.analysis.places import SAME_DISTANCE, centers_of, neighbour_distances
+from porous_swim.analysis.nearest import TOO_MANY, Nearest
+from porous_swim.analysis.places import centers_of
 from porous_swim.analysis.residence import WHEN, residence_lengths
 from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.encounters import Encounters, parts_of
@@ -131,7 +132,8 @@ class HopStatistics:
     displacement: Estimate
     """Mean distance from exit to entry, a."""
     nearest_share: Estimate
-    """Share of the hops that lead to a nearest neighbour of the colloid that was left."""
+    """Share of the hops that lead to a nearest neighbour of the colloid that was left: to its first shell where the
+    distances between colloids form shells, as in a lattice; else to a colloid whose cell touches."""
 
 
 def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> HopStatistics:
@@ -141,7 +143,7 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
     rates, not rates of 0.
     """
     info = TableInfo.of(encounters)
-    nearest = neighbour_distances(colloids, box=info.box)[0]
+    nearest = Nearest(colloids, box=info.box)
     sums: list[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = []
     for part in parts_of(encounters, *WHEN, *_WHERE):
         every = moves(part)
@@ -153,6 +155,9 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
     def mean(values: str, unit: str) -> Estimate:
         return Estimate(*ratio_of_sums(hopped[values], hopped["n"]), n, 0, unit)
 
+    nearest_share = mean("nearest", "")
+    if n and nearest.unknown:
+        nearest_share = replace(Estimate.none(""), n=n, warning=TOO_MANY)
     elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
         hop_rate=_rate(hopped["n"], info) if elsewhere else Estimate.none("U/a"),
@@ -160,7 +165,7 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
         time=mean("time", "a/U"),
         length=mean("length", "a"),
         displacement=mean("displacement", "a"),
-        nearest_share=mean("nearest", ""),
+        nearest_share=nearest_share,
     )
 
 
@@ -168,12 +173,12 @@ def _counts(counted: Moves) -> dict[str, np.ndarray]:
     return {"n": Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))}
 
 
-def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: np.ndarray, info: TableInfo) -> dict[str, np.ndarray]:
-    """Of each swimmer that hopped, over its hops; `nearest` is each colloid's distance to its nearest neighbour."""
-    length = hop_lengths(hopped, colloids, box=info.box)
+def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: Nearest, info: TableInfo) -> dict[str, np.ndarray]:
+    """Of each swimmer that hopped, over its hops."""
+    length, image = hop_lengths(hopped, colloids, box=info.box), hopped.to_image - hopped.from_image
     values = {
         "time": hopped.time, "length": length, "displacement": np.linalg.norm(hopped.displacement, axis=1),
-        "nearest": length <= SAME_DISTANCE * nearest[hopped.from_colloid],
+        "nearest": nearest.among(hopped.from_colloid, hopped.to_colloid, image, length),
     }  # fmt: skip
     swimmers = Swimmers.of(hopped.swimmer)
     return {name: swimmers.sums(value) for name, value in values.items()} | _counts(hopped)
