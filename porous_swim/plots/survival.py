@@ -25,6 +25,8 @@ class Survival:
     laws: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     """By name: times (n,), a/U, and probabilities (n,)."""
     theory: tuple[np.ndarray, np.ndarray] | None = None
+    theory_holds: bool = True
+    """False where the theory is out of its range."""
 
 
 def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None) -> Figure:
@@ -68,4 +70,8 @@ def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
             label=None if name_it else law,
         )
     if run.data.theory is not None:
-        axis.plot(*run.data.theory, color="#cc79a7", linewidth=1.4, label=None if name_it else "theory")
+        holds = run.data.theory_holds
+        label = "theory" if holds else "theory, out of its range"
+        axis.plot(
+            *run.data.theory, "-" if holds else "-.", color="#cc79a7", linewidth=1.4, label=None if name_it else label
+        )
