@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
-from porous_swim.analysis.hops import hop_vectors, hops
+from porous_swim.analysis.hops import MOVES, hop_vectors, hops
 from porous_swim.analysis.nearest import FARTHER, NEAREST, SECOND, Nearest
 from porous_swim.tables import TableInfo, make_table
 
@@ -33,6 +33,7 @@ HOPS_SCHEMA = pa.schema(
 )
 
 
+@needs(encounters=MOVES, colloids="colloid x y z radius")
 def hop_table(encounters: pa.Table, colloids: pa.Table) -> pa.Table:
     """One row for each hop, swimmer by swimmer in order of time. The encounters need their `TableInfo`.
 
@@ -85,6 +86,7 @@ class Shells:
     farther: Estimate
 
 
+@needs(table="swimmer shell")
 def hop_shells(table: pa.Table) -> Shells:
     """How many hops of a `hop_table` lead to nearest, to second-nearest, and to farther neighbours.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, time_order, vectors
+from porous_swim.analysis.columns import column, needs, time_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.nearest import TOO_MANY, Nearest
@@ -22,6 +22,8 @@ from porous_swim.encounters import Encounters, parts_of
 from porous_swim.tables import TableInfo
 
 _WHERE = ("colloid", *(f"{name}_{axis}" for name in ("image", "entry", "exit") for axis in "xyz"))
+MOVES = " ".join(("swimmer", "start_time", "end_time", "start_censored", *_WHERE))  # columns that moves are made of
+_FLIGHTS = "swimmer start_time end_time end_censored"
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class Moves:
         return Moves(**{name: values[chosen] for name, values in vars(self).items()})
 
 
+@needs(encounters=MOVES)
 def moves(encounters: pa.Table) -> Moves:
     """All moves, hops and returns alike, swimmer by swimmer in order of time."""
     order, swimmer = time_order(encounters), column(encounters, "swimmer")
@@ -75,12 +78,14 @@ def moves(encounters: pa.Table) -> Moves:
     )
 
 
+@needs(encounters=MOVES)
 def hops(encounters: pa.Table) -> Moves:
     """Moves to a different colloid or to another image of the same one."""
     every = moves(encounters)
     return every.select(~same_colloid(every))
 
 
+@needs(encounters=MOVES)
 def returns(encounters: pa.Table) -> Moves:
     """Moves back to the colloid that was left."""
     every = moves(encounters)
@@ -92,6 +97,7 @@ def same_colloid(every: Moves) -> np.ndarray:
     return (every.from_colloid == every.to_colloid) & np.all(every.from_image == every.to_image, axis=1)
 
 
+@needs(encounters=_FLIGHTS)
 def flight_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Times from the end of each encounter that ended to the swimmer's next one, swimmer by swimmer.
 
@@ -112,6 +118,7 @@ def _flight_lifetimes(encounters: pa.Table, last_time: float) -> Lifetimes:
     return every.select(~column(encounters, "end_censored")[order])
 
 
+@needs(encounters=_FLIGHTS)
 def flights(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Mean times between encounters: see `flight_lifetimes`."""
     return flight_lifetimes(encounters).summary(horizon=horizon)
@@ -136,6 +143,7 @@ class HopStatistics:
     distances between colloids form shells, as in a lattice; else to a colloid whose cell touches."""
 
 
+@needs(encounters=MOVES, colloids="colloid x y z radius")
 def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> HopStatistics:
     """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`.
 
@@ -184,6 +192,7 @@ def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: Nearest, info: TableIn
     return {name: swimmers.sums(value) for name, value in values.items()} | _counts(hopped)
 
 
+@needs(colloids="colloid x y z")
 def hop_lengths(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
     """Distance between the centres of the two colloids of each move, (n,), a."""
     return np.linalg.norm(hop_vectors(hopped, colloids, box=box), axis=1)

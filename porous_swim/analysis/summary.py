@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
 from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
-from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
+from porous_swim.analysis.hops import MOVES, HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
     bound_fraction,
     contact_fraction,
@@ -29,8 +29,16 @@ from porous_swim.encounters import Encounters, parts_of
 from porous_swim.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
+_LAGS = "lag n_swimmers msd director_correlation"
+_ENCOUNTERS = f"{MOVES} end_censored contact_time winding signed_winding escape_pitch_time"
 
 
+@needs(
+    encounters=_ENCOUNTERS,
+    colloids="colloid x y z radius",
+    timeseries="time msd msd_standard_error",
+    lags="lag group n_swimmers msd director_correlation",
+)
 def summarize(
     encounters: pa.Table | Encounters,
     colloids: pa.Table,
