@@ -77,6 +77,15 @@ def test_faces_of_lattices_have_their_sizes() -> None:
     assert sorted(octahedron.face) == pytest.approx([square] * 12 + [six] * 16, rel=1e-9)
 
 
+def test_centres_outside_of_the_box_have_the_neighbours_of_their_images_inside() -> None:
+    box = (12.0, 15.0, 0.0)
+    centers = np.random.default_rng(9).uniform(0.0, 1.0, (40, 3)) * box
+    found = [neighbours(field(centers + shift), box=box) for shift in ([0.0, 0.0, 0.0], [-7.0, 38.0, 0.0])]
+    pairs = [set(zip(each.first, each.second, *each.image.T, strict=True)) for each in found if each is not None]
+    assert pairs[0] == pairs[1]
+    assert len(pairs[0]) > 150
+
+
 @pytest.mark.parametrize(("box", "n"), [((9.0, 30.0, 0.0), 150), ((3.0, 5.0, 20.0), 80)])
 def test_neighbours_of_random_centres_are_those_of_scipys_voronoi_cells(box, n, monkeypatch) -> None:
     monkeypatch.setattr(f"{neighbours.__module__}.LEAST_FACE", 1e-9)

@@ -37,7 +37,7 @@ _ENCOUNTERS = f"{MOVES} end_censored contact_time winding signed_winding escape_
     encounters=_ENCOUNTERS,
     colloids="colloid x y z radius",
     timeseries="time msd msd_standard_error",
-    lags="lag group n_swimmers msd director_correlation",
+    lags=_LAGS,
 )
 def summarize(
     encounters: pa.Table | Encounters,
