@@ -135,6 +135,18 @@ def test_an_open_patch_has_neighbours_within_it_alone() -> None:
     assert per_colloid(found, 25) == (4 - sides).tolist()
 
 
+def test_a_strip_that_repeats_along_one_axis_alone_has_no_neighbours_across_its_sides() -> None:
+    x, y = np.divmod(np.arange(15), 3)
+    found = neighbours(field(np.stack([10.0 * x, 10.0 * y, 0.0 * x], axis=1), 3.5), box=(50.0, 0.0, 0.0))
+    assert per_colloid(found, 15) == np.where(y == 1, 4, 3).tolist()
+
+
+def test_one_colloid_far_from_many_others_leaves_no_shells_and_takes_no_time() -> None:
+    crowd = np.random.default_rng(1).uniform(0.0, 10.0, (3000, 3))
+    centers = np.concatenate([crowd, [[5e5, 5e5, 5e5]]])
+    assert math.isnan(shell_ends(field(centers), box=(1e6, 1e6, 1e6)).first)
+
+
 @pytest.mark.parametrize(("centers", "counts"), [
     ([[0, 0, 0], [3, 0, 0]], [1, 1]),
     ([[0, 0, 0], [1, 1, 0], [2, 2, 0], [3, 3, 0]], [1, 2, 2, 1]),
@@ -198,4 +210,4 @@ def test_too_many_colloids_without_shells_have_no_share_of_nearest_and_say_so(mo
     colloids = synthetic.colloids(about, rng.uniform(0.0, 1.0, (60, 3)) * [40.0, 40.0, 0.0])
     share = hop_statistics(table, colloids).nearest_share
     assert math.isnan(share.value)
-    assert "too many to find neighbours" in str(share.warning)
+    assert "form no shells, and their cells are not known" in str(share.warning)

@@ -14,7 +14,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, needs, time_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
-from porous_swim.analysis.nearest import TOO_MANY, Nearest
+from porous_swim.analysis.nearest import UNKNOWN, Nearest
 from porous_swim.analysis.places import centers_of
 from porous_swim.analysis.residence import WHEN, residence_lengths
 from porous_swim.analysis.survival import WaitingTimes
@@ -165,7 +165,7 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
 
     nearest_share = mean("nearest", "")
     if n and nearest.unknown:
-        nearest_share = replace(Estimate.none(""), n=n, warning=TOO_MANY)
+        nearest_share = replace(Estimate.none(""), n=n, warning=UNKNOWN)
     elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
         hop_rate=_rate(hopped["n"], info) if elsewhere else Estimate.none("U/a"),

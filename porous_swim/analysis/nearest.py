@@ -11,9 +11,9 @@ from porous_swim.analysis.neighbours import MOST_POINTS, Neighbours, neighbours
 from porous_swim.analysis.shells import ShellEnds, shell_ends
 
 NEAREST, SECOND, FARTHER = 1, 2, 3  # shells
-TOO_MANY = (
-    "The colloids form no shells, and are too many to find neighbours by their cells (more than "
-    f"{MOST_POINTS:,} with their images)."
+UNKNOWN = (
+    "Distances between the colloids form no shells, and their cells are not known: they are too many "
+    f"(above {MOST_POINTS:,} with their images), or all but in a line."
 )
 
 

@@ -42,10 +42,10 @@ class Neighbours:
 
 
 def neighbours(colloids: pa.Table, *, box: tuple[float, float, float]) -> Neighbours | None:
-    """All pairs whose common face is more than 1 % of the surface of one of their cells; None where there are too many.
+    """All pairs whose common face is more than 1 % of the surface of one of their cells; None where that is not known.
 
-    Outside of an open field a frame of points, a spacing away, closes the cells. Centres in a plane or on a line have
-    their diagram there.
+    That is so where there are too many colloids, or open fields so thin that rounding decides. Outside of an open field
+    a frame of points, a spacing away, closes the cells. Centres in a plane or on a line have their diagram there.
     """
     centers, radii, edges = centers_of(colloids), radii_of(colloids), np.asarray(box, float)
     inside, moved = wrapped(centers, edges)
@@ -85,7 +85,7 @@ def _diagram(
             cells = faces(every, np.append(radii[base], np.zeros(len(frame))), n=len(inside))
         except QhullError:  # the images are in a line: the box is narrow
             if not repeats.any():
-                raise
+                return None
             margin *= 2.0
             continue
         seen = np.maximum(cells.corners + cells.reach[:, None] - edges[axes], cells.reach[:, None] - cells.corners)

@@ -14,6 +14,7 @@ from porous_swim.analysis.places import centers_of, tiled, wrapped
 LEAST_GAP = 0.05  # of the distance at which it begins: lattices that a picture has stretched by less keep their shells
 LEAST_GAP_OF_SHELL = 0.5  # of the width of the shell before it: neighbours scatter less than shells are apart
 _N_NEAREST = 32  # three shells and more of any lattice
+_MOST_IMAGES = 10  # of each colloid, where they are many
 _MOST_CENTERS = 20_000  # to look around from: more tell no more
 
 
@@ -73,6 +74,8 @@ def _nearest_distances(centers: np.ndarray, edges: np.ndarray) -> np.ndarray:
     reach = 2.0 * (float(np.prod(edges[repeats])) / n) ** (1.0 / int(repeats.sum()))
     while True:
         points, _, _ = tiled(inside, edges, np.full(3, reach))
+        if len(points) > max(_MOST_IMAGES * n, _MOST_CENTERS):  # a colloid is far from all others: there are no shells
+            return np.zeros((0, 0))
         if len(points) > _N_NEAREST:
             found = np.asarray(cKDTree(points).query(some, k=range(2, _N_NEAREST + 2))[0])  # the first is itself
             if float(np.max(found[:, -1])) <= reach:  # else an image that was left out may be nearer
