@@ -84,6 +84,21 @@ def few(*kinds: Kind) -> Experiment:
     return Experiment(some.draw, some.n_swimmers, known)
 
 
+def rarely_passing() -> Experiment:
+    """Escape pitches passed in 7 of 100 encounters: the mean is taken up to a horizon that it has to find."""
+    kinds = (Kind(escape=0.1, capture=0.5, passage=passage, turns=1.0, contact=0.2, bonds=(0.2,) * 5)
+             for passage in (0.005, 0.01))  # fmt: skip
+    many = Crowd(tuple(kinds), 5.0 * LAST_TIME, n_swimmers=200)
+    true = many.expected.at_risk("waiting")
+
+    def excess(data: tuple) -> tuple[np.ndarray, np.ndarray]:
+        found = an.escape_pitch_times(data[0])
+        difference = found.restricted_mean - true.restricted_mean(found.horizon)
+        return np.array([difference]), np.array([found.restricted_standard_error])
+
+    return Experiment(many.draw, many.n_swimmers, {"escape_pitch_times": Statistic(excess, [0.0])})
+
+
 def walk(draw: Callable, statistics: dict[str, Statistic], **numbers: float) -> Experiment:
     return Experiment(lambda rng: draw(rng, n_swimmers=100, **numbers), 100, statistics)
 
@@ -92,6 +107,7 @@ EXPERIMENTS = {
     "one-kind": crowd(FAST, FAST),
     "two-kinds": crowd(SLOW, FAST),
     "few": few(SLOW, FAST),
+    "rarely-passing": rarely_passing(),
     "persistent": walk(walks.persistent, PERSISTENT, n_frames=41, turning=0.6, diffusivity=0.2),
     "brownian": walk(walks.brownian, BROWNIAN, n_frames=41, dimensions=2, diffusivity=0.5),
     "mixed": walk(walks.of_two_diffusivities, MIXED, n_frames=41),

@@ -149,7 +149,8 @@ def test_bars_stand_where_the_values_are(folder):
 def test_survival_is_that_of_kaplan_and_meier(folder):
     rows = table(folder, "encounters")
     length, ended = np.round(rows["end_time"] - rows["start_time"], 9), ~rows["end_censored"]
-    probability, left, _ = last_bars(folder, "survival")
+    probability, left, width = last_bars(folder, "survival")
+    assert left[-1] + width[-1] == pytest.approx(length.max(), rel=1e-6)  # nothing is known beyond the longest
     assert ended.sum() > 50
     assert (~ended).sum() > 10
     for time, value in zip(left, probability, strict=True):

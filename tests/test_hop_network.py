@@ -15,7 +15,6 @@ from porous_swim.analysis.histogram import binned_mean, histogram
 from porous_swim.analysis.hop_network import hop_counts, hop_degrees, hop_network, hop_symmetry
 from porous_swim.analysis.hop_table import hop_shells, hop_table
 from porous_swim.analysis.hops import hop_statistics
-from porous_swim.analysis.places import neighbour_distances
 from porous_swim.tables import TableInfo
 from tests import synthetic
 
@@ -121,40 +120,6 @@ def test_one_colloid_in_a_box_has_hops_over_images() -> None:
     assert shells.nearest == known.nearest_share
     assert shells.nearest.value + shells.second.value + shells.farther.value == pytest.approx(1.0, rel=1e-14)
     assert hop_symmetry(network).p_value < 1e-10  # nothing goes back along the diagonal
-
-
-@pytest.mark.parametrize(
-    ("basis", "box", "nearest", "second"),
-    [
-        ([[0, 0, 0]], (1, 1, 1), 1.0, math.sqrt(2.0)),  # simple cubic
-        ([[0, 0, 0], [0.5, 0.5, 0.5]], (1, 1, 1), math.sqrt(0.75), 1.0),  # body-centred
-        ([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]], (1, 1, 1), math.sqrt(0.5), 1.0),  # face-centred
-        ([[0, 0, 0], [0.5, math.sqrt(0.75), 0]], (1, math.sqrt(3.0), 0), 1.0, math.sqrt(3.0)),  # hexagonal
-        ([[0, 0, 0]], (1, 7, 0), 1.0, 2.0),  # a chain in a narrow box
-        ([[0, 0, 0], [3, 0, 0]], (0, 0, 0), 3.0, math.inf),  # two in the open
-        ([[0, 0, 0]], (0, 0, 0), math.inf, math.inf),
-    ],
-)
-def test_neighbour_distances_of_lattices_are_those_of_textbooks(
-    basis: list, box: tuple, nearest: float, second: float
-) -> None:
-    colloids = synthetic.colloids(synthetic.info(), np.array(basis, float) + np.array([0.3, -0.1, 0.0]))
-    first, then = neighbour_distances(colloids, box=tuple(map(float, box)))
-    assert first == pytest.approx(np.full(len(basis), nearest), rel=1e-12)
-    assert then == pytest.approx(np.full(len(basis), second), rel=1e-12)
-
-
-def test_neighbour_distances_of_random_centres_are_those_by_brute_force() -> None:
-    rng = np.random.default_rng(4)
-    box = np.array([3.0, 5.0, 20.0])
-    centers = rng.uniform(0.0, 1.0, (40, 3)) ** 3 * box  # crowded in a corner, so that some look far
-    first, then = neighbour_distances(synthetic.colloids(synthetic.info(), centers), box=tuple(box))
-    shifts = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 3), axis=-1).reshape(-1, 3) * box
-    distance = np.linalg.norm(centers[:, None, None] - centers[:, None] - shifts, axis=3).reshape(40, -1)
-    distance = np.sort(distance, axis=1)
-    assert first == pytest.approx(distance[:, 1], rel=1e-12)
-    beyond = np.where(distance > 1.0001 * distance[:, 1:2], distance, np.inf).min(axis=1)
-    assert then == pytest.approx(beyond, rel=1e-12)
 
 
 def network_of(counts: np.ndarray) -> pa.Table:

@@ -58,8 +58,9 @@ def test_hop_statistics_of_five_encounters_are_those_worked_by_hand() -> None:
     assert found.time.value == 5.0
     assert found.length.value == 7.0
     assert found.displacement.value == 5.0
-    # From colloid 0 the nearest centre is colloid 2's image, at sqrt(1.5^2 + 3^2) = 3.35 < 4.
-    assert found.nearest_share.as_dict()["value"] == 0.0
+    # Distances are 3.35 (0 to 2's image), 4 (0 to 1), 5.4, 6.3, 9, ...: the gap after 4 is wider than half of 4 - 3.35,
+    # and all have a neighbour by then. One hop is to colloid 1, the other one box edge long.
+    assert found.nearest_share.as_dict()["value"] == 0.5
 
 
 def test_a_hop_across_the_border_to_the_neighbour_counts_as_nearest() -> None:

@@ -20,10 +20,12 @@ from pages import Page
 import porous_swim as ps
 from porous_swim import cli
 from porous_swim.analysis.summary import summarize
+from porous_swim.analysis.survival import survival_curve
 from porous_swim.encounters import Encounters
 from porous_swim.errors import ResultsError
+from porous_swim.plots import survival
 from porous_swim.plots.colloids import images_in
-from porous_swim.plots.style import MOST_POINTS, thinned_tail
+from porous_swim.plots.style import MOST_POINTS, Shown, thinned_tail
 from porous_swim.reporting import density, network, residence
 from porous_swim.reporting import fractions as fractions_section
 from porous_swim.reporting.lifetime_tables import table_by_radius
@@ -207,8 +209,19 @@ def test_the_survival_curve_is_that_of_the_encounters(runs):
     for end in sorted(set(length[ended])):
         probability *= 1.0 - np.sum(length[ended] == end) / np.sum(length >= end)
         expected.append(probability)
-    assert drawn.get_xdata()[1:] == pytest.approx(sorted(set(length[ended])), rel=1e-12)
-    assert drawn.get_ydata() == pytest.approx(expected, abs=1e-12)
+    assert drawn.get_xdata()[1:-1] == pytest.approx(sorted(set(length[ended])), rel=1e-12)
+    assert drawn.get_ydata()[:-1] == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_survival_curve_and_its_band_are_drawn_as_far_as_encounters_were_seen_to_last():
+    length = np.array([1.0, 2.0, 3.0, 7.0])  # the last is under way
+    curve = survival_curve(length, ended=length < 5.0)
+    figure = survival.draw({"time": [Shown("run", "black", survival.Survival(curve))]}, None)
+    axis = figure.axes[0]
+    line, band = axis.get_lines()[0], axis.collections[0].get_paths()[0]
+    assert (line.get_xdata()[-1], line.get_ydata()[-1]) == (7.0, 0.25)
+    assert band.vertices[:, 0].max() == 7.0
+    assert axis.get_xlim()[1] > 7.0
 
 
 def test_half_bonds_of_the_network_carry_the_counts_of_hops(runs):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from porous_swim.analysis.estimates import Swimmers, ratio_of_sums
+from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.residence import (
     bound_fraction,
     bound_fraction_at,
@@ -101,6 +102,51 @@ def test_errors_are_the_spread_over_repeats_when_encounters_of_a_swimmer_are_ali
     # The spread of 400 repeats is known to 1/sqrt(800) = 3.5 %: 4 of those, and 2 % for bias.
     assert np.mean(errors) == pytest.approx(np.std(means), rel=0.16)
     assert np.mean(area_errors) == pytest.approx(np.std(areas), rel=0.16)
+
+
+def watched(length: np.ndarray, limit: np.ndarray) -> Lifetimes:
+    """One lifetime for each swimmer, cut off at `limit`."""
+    n = len(length)
+    return Lifetimes(np.minimum(length, limit), length < limit, np.ones(n, bool), limit, np.arange(n))
+
+
+def test_a_mean_of_which_much_is_cut_off_ends_where_a_quarter_could_be_followed_however_long_they_lasted() -> None:
+    rng = np.random.default_rng(6)
+    limit = rng.uniform(0.0, 100.0, 400)  # entered all through a run of 100: a quarter could be followed for 75
+    for mean in (200.0, 800.0):
+        assert watched(rng.exponential(mean, 400), limit).summary().horizon == 50.0
+    together = np.full(400, 73.0)
+    assert watched(rng.exponential(200.0, 400), together).summary().horizon == 73.0
+
+
+def test_a_mean_of_which_next_to_nothing_is_cut_off_ends_at_the_longest() -> None:
+    rng = np.random.default_rng(7)
+    found = watched(rng.exponential(1.0, 400), rng.uniform(8.0, 10.0, 400)).summary()
+    assert found.n_censored <= 2
+    assert found.horizon < 10.0
+    assert found.restricted_warning is None
+    assert abs(found.restricted_mean - 1.0) < 4.0 * found.restricted_standard_error
+
+
+def test_a_horizon_that_the_data_chose_where_many_outlast_it_has_no_error() -> None:
+    seen = watched(np.array([1.0, 2.0, 5.0, 9.0, 9.0]), np.full(5, 6.0))
+    length, rest = seen.length, {"ended": seen.ended, "swimmer": seen.swimmer}
+    chosen = waiting_times(length, **rest)
+    assert (chosen.horizon, math.isnan(chosen.restricted_standard_error)) == (6.0, True)
+    assert "40 % reach" in chosen.restricted_estimate().as_dict()["warning"]
+    given = waiting_times(length, horizon=6.0, **rest)
+    assert given.restricted_mean == chosen.restricted_mean
+    assert given.restricted_mean == pytest.approx((1.0 + 2.0 + 5.0 + 6.0 + 6.0) / 5.0, rel=1e-14)
+    assert given.restricted_standard_error > 0.0
+    assert "warning" not in given.restricted_estimate().as_dict()
+
+
+def test_without_an_end_up_to_the_horizon_the_restricted_mean_is_marked_as_the_horizon() -> None:
+    found = watched(np.full(5, 9.0), np.full(5, 6.0)).summary()
+    assert (found.restricted_mean, found.horizon, math.isnan(found.restricted_standard_error)) == (6.0, 6.0, True)
+    assert found.restricted_estimate().warning == (
+        "No end was seen up to 6 a/U: the value is that limit itself, a lower bound of the mean."
+    )
 
 
 def test_a_horizon_beyond_what_was_seen_is_cut_back_unless_all_ended() -> None:

@@ -49,6 +49,24 @@ def test_nothing_is_sure_where_the_curve_has_reached_zero() -> None:
     assert not np.isnan(band.lower[0])
 
 
+def test_beyond_the_longest_time_seen_survival_is_not_a_number() -> None:
+    """200 exponential stays of mean 50, all cut off at 10."""
+    life = np.random.default_rng(0).exponential(50.0, 200)
+    stays = lifetimes(np.minimum(life, 10.0), life < 10.0, np.arange(200))
+    at = np.array([5.0, 10.0, np.nextafter(10.0, 11.0), 20.0, 1000.0])
+    for found in (*survival_at(stays, at), stays.survival().at(at)):
+        assert np.isnan(found).tolist() == [False, False, True, True, True]
+    # binomial, as nothing was cut off before 10: three of its standard errors
+    assert abs(stays.survival().at(np.array([10.0]))[0] - math.exp(-0.2)) < 3.0 * math.sqrt(0.82 * 0.18 / 200)
+    assert survival_band(stays.survival()).longest == 10.0
+
+
+def test_where_the_last_one_ended_survival_stays_zero() -> None:
+    seen = lifetimes(np.array([1.0, 2.0, 3.0]), np.array([True, False, True]), np.arange(3))
+    assert survival_at(seen, np.array([3.0, 99.0]))[0].tolist() == [0.0, 0.0]
+    assert np.isnan(lifetimes(np.zeros(0), np.zeros(0, bool), np.zeros(0, int)).survival().at(np.array([1.0]))).all()
+
+
 def test_the_band_of_cut_exponentials_covers_their_survival_19_times_in_20() -> None:
     rng = np.random.default_rng(2)
     inside = 0

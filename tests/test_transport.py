@@ -98,10 +98,10 @@ def test_rows_may_come_in_any_order() -> None:
     assert np.array_equal(tracks(mixed).position, tracks(table).position)
 
 
-@pytest.mark.parametrize("broken", [lambda table: table.slice(1), lambda table: pa.concat_tables([table, table])])
-def test_a_trajectory_with_missing_or_doubled_rows_is_refused(broken) -> None:
-    with pytest.raises(ResultsError, match="each swimmer must be there once at each time"):
-        tracks(broken(table_of_walk(5, n_swimmers=3, n_steps=20, every=10)))
+def test_a_trajectory_with_doubled_rows_is_refused() -> None:
+    table = table_of_walk(5, n_swimmers=3, n_steps=20, every=10)
+    with pytest.raises(ResultsError, match=r"found swimmer 1 twice at time 0\.5"):
+        tracks(pa.concat_tables([table, table.slice(4, 1)]))
 
 
 def test_an_empty_trajectory_has_no_diffusivity() -> None:

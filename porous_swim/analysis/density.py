@@ -7,13 +7,14 @@ import math
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, vectors
+from porous_swim.analysis.columns import DIRECTORS, column, needs, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
 from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.errors import ResultsError
 from porous_swim.tables import TableInfo
 
 
+@needs(trajectory="swimmer x y")
 def cell_density(trajectory: pa.Table, *, cell: tuple[float, float] | None = None, n_bins: int = 60) -> Map:
     """Distribution of positions in the plane, folded into the rectangle from 0 to `cell`, all heights together.
 
@@ -37,6 +38,7 @@ def cell_density(trajectory: pa.Table, *, cell: tuple[float, float] | None = Non
     )
 
 
+@needs(trajectory=f"swimmer x y z {DIRECTORS} colloid image_x image_y image_z", colloids="colloid x y z radius")
 def height_pitch_density(trajectory: pa.Table, colloids: pa.Table, *, heights: np.ndarray, n_pitches: int = 60) -> Map:
     """Distribution over pitch (x, rad, from -pi/2 to pi/2) and height above the nearest colloid (y).
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
 from porous_swim.analysis.histogram import Histogram, histogram
 
@@ -25,6 +25,7 @@ class Departures:
     exit_distribution: Histogram
 
 
+@needs(encounters="swimmer end_censored release_pitch exit_pitch")
 def departures(encounters: pa.Table, *, n_bins: int = 60) -> Departures:
     """Pitches of release and exit, over `n_bins` bins from -pi/2 to pi/2."""
     completed = ~column(encounters, "end_censored")

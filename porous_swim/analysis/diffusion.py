@@ -11,6 +11,7 @@ import pyarrow as pa
 from scipy.special import fdtrc
 from scipy.stats import t as student
 
+from porous_swim.analysis.columns import PLACES, needs
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.analysis.lagged import LONGEST, TimeAverages, even_frames, geometric_frames, lag_averages, squared_step
 from porous_swim.tables import TableInfo
@@ -46,6 +47,7 @@ class EffectiveDiffusivity:
         return Estimate(self.value, self.standard_error, self.n, 0, "a U")
 
 
+@needs(trajectory=PLACES)
 def effective_diffusivity(
     trajectory: pa.Table, *, window: tuple[float, float] | None = None, level: float = 0.95
 ) -> EffectiveDiffusivity:
@@ -72,7 +74,9 @@ def effective_diffusivity(
         starts = [max(math.ceil(window[0] / interval - 1e-6), 1)] if n_frames > 1 else []
     windows = (geometric_frames(start, last, n_lags) for start in starts)
     squares = (
-        lag_averages(recorded, squared_step, lags=frames * interval) for frames in windows if len(frames) >= FEWEST_LAGS
+        lag_averages(recorded, squared_step, lags=frames * interval).complete()
+        for frames in windows
+        if len(frames) >= FEWEST_LAGS
     )
     dimensions = TableInfo.of(trajectory).dimensions
     return first_linear(squares, n=n, dimensions=dimensions, level=level, given=window is not None)

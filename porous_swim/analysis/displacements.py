@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pyarrow as pa
 
+from porous_swim.analysis.columns import PLACES, needs
 from porous_swim.analysis.histogram import Histogram, histogram
 from porous_swim.analysis.lagged import TimeAverages, error_of_mean, even_frames, lag_averages, squared_step
 from porous_swim.analysis.transport import Lagged
@@ -29,6 +30,7 @@ def msd_exponent(squares: TimeAverages) -> Lagged:
     )
 
 
+@needs(trajectory=PLACES)
 def non_gaussian_parameter(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Lagged:
     """d <r^4>/((d + 2) <r^2>^2) - 1 in d dimensions: 0 for a Gaussian, -2/(d + 2) for equal straight ways.
 
@@ -47,6 +49,7 @@ def non_gaussian(square: TimeAverages, fourth: TimeAverages, dimensions: int) ->
     return Lagged(square.lag, ratio - 1.0, ratio * error_of_mean(influence), square.n)
 
 
+@needs(trajectory=PLACES)
 def displacement_histogram(trajectory: pa.Table, *, lag: float, edges: np.ndarray | None = None) -> Histogram:
     """Distribution of one Cartesian component of the displacement over a lag (self part of the van Hove function).
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.diffusion import (
     FEWEST_LAGS,
     MOST_LAGS,
@@ -27,16 +27,19 @@ from porous_swim.analysis.transport import Lagged
 from porous_swim.tables import TableInfo
 
 
+@needs(lags="lag n_swimmers msd")
 def ensemble_msd(lags: pa.Table) -> TimeAverages:
     """Mean squared displacement against lag, a^2; a column of `each` is a group of swimmers."""
     return _averages(lags, "msd")
 
 
+@needs(lags="lag n_swimmers director_correlation")
 def ensemble_director_correlation(lags: pa.Table) -> TimeAverages:
     """Mean of e(t + lag).e(t); a column of `each` is a group of swimmers."""
     return _averages(lags, "director_correlation")
 
 
+@needs(lags="lag n_swimmers director_correlation")
 def director_memory(lags: pa.Table) -> float:
     """The first lag, a/U, from which on directors neither agree nor disagree with themselves by 1/e or more.
 
@@ -51,11 +54,13 @@ def director_memory(lags: pa.Table) -> float:
     return math.inf if after == len(found.lag) else float(found.lag[after])
 
 
+@needs(lags="lag n_swimmers msd fourth_moment")
 def ensemble_non_gaussian_parameter(lags: pa.Table) -> Lagged:
     """As `non_gaussian_parameter`, of all swimmers."""
     return non_gaussian(ensemble_msd(lags), _averages(lags, "fourth_moment"), TableInfo.of(lags).dimensions)
 
 
+@needs(lags="lag n_swimmers msd")
 def ensemble_diffusivity(
     lags: pa.Table, *, window: tuple[float, float] | None = None, level: float = 0.95
 ) -> EffectiveDiffusivity:

@@ -23,6 +23,7 @@ class Estimate:
     n: int  # samples that it rests on
     n_censored: int  # samples of which only a part was seen
     unit: str  # "" for a pure number
+    warning: str | None = None  # one sentence: why the value is not to be trusted
 
     @classmethod
     def none(cls, unit: str) -> Estimate:
@@ -30,14 +31,15 @@ class Estimate:
         return cls(math.nan, math.nan, 0, 0, unit)
 
     def as_dict(self) -> dict[str, Any]:
-        """The same for JSON: what is not finite becomes null."""
-        return {
+        """The same for JSON: what is not finite becomes null; `warning` is there where there is one."""
+        found = {
             "value": _finite_or_none(self.value),
             "standard_error": _finite_or_none(self.standard_error),
             "n": self.n,
             "n_censored": self.n_censored,
             "unit": self.unit,
         }
+        return found if self.warning is None else {**found, "warning": self.warning}
 
 
 def value_and_error(value: float, error: float | None, *, digits: int = 4) -> str:

@@ -11,15 +11,17 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import check_columns, column, needs
 from porous_swim.analysis.places import radii_of
 
 
+@needs(encounters="colloid", colloids="colloid radius")
 def encounter_radii(encounters: pa.Table, colloids: pa.Table) -> np.ndarray:
     """Radius of the colloid of each encounter, (n_encounters,), a."""
     return radii_of(colloids)[column(encounters, "colloid")]
 
 
+@needs(encounters="colloid", colloids="colloid radius")
 def by_radius(encounters: pa.Table, colloids: pa.Table) -> dict[float, pa.Table]:
     """The encounters with colloids of each radius that was met, smallest first."""
     return _parts(encounters, encounter_radii(encounters, colloids))
@@ -27,6 +29,7 @@ def by_radius(encounters: pa.Table, colloids: pa.Table) -> dict[float, pa.Table]
 
 def by_column(table: pa.Table, name: str) -> dict[float, pa.Table]:
     """The rows for each value of one column, smallest first: of each colloid, say."""
+    check_columns(table, (name,), of="by_column: table")
     return _parts(table, column(table, name))
 
 

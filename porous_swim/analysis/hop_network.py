@@ -12,13 +12,14 @@ import numpy as np
 import pyarrow as pa
 from scipy.special import chdtrc
 
-from porous_swim.analysis.columns import column, vectors
+from porous_swim.analysis.columns import column, needs, vectors
 from porous_swim.analysis.estimates import Swimmers
 from porous_swim.analysis.hop_table import HOP_ENDS
 
 _BOND = ("bond_x", "bond_y", "bond_z", "length", "shell")
 
 
+@needs(hops=" ".join(("swimmer", *HOP_ENDS, *_BOND)))
 def hop_network(hops: pa.Table) -> pa.Table:
     """One row for each link that a `hop_table` uses, sorted.
 
@@ -29,6 +30,7 @@ def hop_network(hops: pa.Table) -> pa.Table:
     return _links(hops, HOP_ENDS, _BOND)
 
 
+@needs(hops=" ".join(("swimmer", *HOP_ENDS[:2])))
 def hop_counts(hops: pa.Table) -> pa.Table:
     """The same for pairs of colloids in the box, whatever their images: `from_colloid`, `to_colloid`, `n_hops`, ..."""
     return _links(hops, HOP_ENDS[:2], ())
@@ -82,6 +84,7 @@ def _error_of_shares(
     return np.sqrt(factor * total) / np.bincount(source, minlength=n_sources)[source_of_link]
 
 
+@needs(network="from_colloid to_colloid n_hops", colloids="colloid")
 def hop_degrees(network: pa.Table, colloids: pa.Table) -> pa.Table:
     """One row for each colloid: `n_out`, `n_in` hops that leave and enter it, `out_degree`, `in_degree` links used."""
     number = np.sort(column(colloids, "colloid"))
@@ -107,6 +110,7 @@ class Symmetry:
     p_value: float
 
 
+@needs(network=" ".join((*HOP_ENDS, "n_hops")))
 def hop_symmetry(network: pa.Table) -> Symmetry:
     """Test the links of a `hop_network` against their reverses.
 

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
-from porous_swim.analysis.hops import hop_vectors, hops
-from porous_swim.analysis.places import SAME_DISTANCE, neighbour_distances
+from porous_swim.analysis.hops import MOVES, hop_vectors, hops
+from porous_swim.analysis.nearest import FARTHER, NEAREST, SECOND, Nearest
 from porous_swim.tables import TableInfo, make_table
-
-NEAREST, SECOND, FARTHER = 1, 2, 3  # values of the column `shell`
-
 
 HOP_ENDS = ("from_colloid", "to_colloid", "image_x", "image_y", "image_z")
 
@@ -36,6 +33,7 @@ HOPS_SCHEMA = pa.schema(
 )
 
 
+@needs(encounters=MOVES, colloids="colloid x y z radius")
 def hop_table(encounters: pa.Table, colloids: pa.Table) -> pa.Table:
     """One row for each hop, swimmer by swimmer in order of time. The encounters need their `TableInfo`.
 
@@ -44,17 +42,13 @@ def hop_table(encounters: pa.Table, colloids: pa.Table) -> pa.Table:
     start of the next. `azimuth` and `polar_angle` are those of the bond, about and from +z. `turning_angle`, 0 to pi,
     is between this bond and that of the swimmer's hop before (returns between them do not matter), null for its
     first; `signed_turning_angle`, -pi to pi, is counterclockwise, null in 3-D. `residence` is the length of
-    the encounter that was left. `shell`: 1 to a nearest neighbour of the colloid left, 2 to one at the next
-    distance, 3 farther. In disordered fields each neighbour has a distance of its own.
+    the encounter that was left. `shell`: 1 to a nearest neighbour of the colloid left, 2 to one in the second shell
+    of distances, 3 farther; null where distances form no shells, as in disordered fields (see `shell_ends`).
     """
     info = TableInfo.of(encounters)
     hopped = hops(encounters)
     bond = hop_vectors(hopped, colloids, box=info.box)
     length = np.linalg.norm(bond, axis=1)
-    nearest, second = (found[hopped.from_colloid] for found in neighbour_distances(colloids, box=info.box))
-    shell = np.where(
-        length <= SAME_DISTANCE * nearest, NEAREST, np.where(length <= SAME_DISTANCE * second, SECOND, FARTHER)
-    )
     turn, signed = _turns(bond, hopped.swimmer)
     image = hopped.to_image - hopped.from_image
     columns = {
@@ -65,7 +59,7 @@ def hop_table(encounters: pa.Table, colloids: pa.Table) -> pa.Table:
         "polar_angle": np.arctan2(np.hypot(bond[:, 0], bond[:, 1]), bond[:, 2]),
         "turning_angle": turn,
         "signed_turning_angle": signed if info.dimensions == 2 else np.full(len(bond), np.nan),
-        "residence": hopped.residence, "shell": shell,
+        "residence": hopped.residence, "shell": Nearest(colloids, box=info.box).shells(length),
         **{f"image_{axis}": image[:, i] for i, axis in enumerate("xyz")},
         **{f"bond_{axis}": bond[:, i] for i, axis in enumerate("xyz")},
     }  # fmt: skip
@@ -92,12 +86,19 @@ class Shells:
     farther: Estimate
 
 
+@needs(table="swimmer shell")
 def hop_shells(table: pa.Table) -> Shells:
-    """How many hops of a `hop_table` lead to nearest, to second-nearest, and to farther neighbours."""
-    shell, swimmers = column(table, "shell"), Swimmers.of(column(table, "swimmer"))
-    counts = swimmers.sums(np.ones(len(shell)))
+    """How many hops of a `hop_table` lead to nearest, to second-nearest, and to farther neighbours.
 
-    def share(value: int) -> Estimate:
+    None where distances form no shells; only the nearest where they form a first one alone.
+    """
+    shell, swimmers = column(table, "shell"), Swimmers.of(column(table, "swimmer"))
+    counts, unknown = swimmers.sums(np.ones(len(shell))), np.isnan(shell)
+
+    def share(value: int, *, known: bool) -> Estimate:
+        if not known:
+            return Estimate.none("")
         return Estimate(*ratio_of_sums(swimmers.sums(shell == value), counts), len(shell), 0, "")
 
-    return Shells(share(NEAREST), share(SECOND), share(FARTHER))
+    every = not unknown.any()
+    return Shells(share(NEAREST, known=not unknown.all()), share(SECOND, known=every), share(FARTHER, known=every))

@@ -6,21 +6,24 @@ swimmer's first encounter is neither.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, time_order, vectors
+from porous_swim.analysis.columns import column, needs, time_order, vectors
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
-from porous_swim.analysis.places import SAME_DISTANCE, centers_of, neighbour_distances
+from porous_swim.analysis.nearest import UNKNOWN, Nearest
+from porous_swim.analysis.places import centers_of
 from porous_swim.analysis.residence import WHEN, residence_lengths
 from porous_swim.analysis.survival import WaitingTimes
 from porous_swim.encounters import Encounters, parts_of
 from porous_swim.tables import TableInfo
 
 _WHERE = ("colloid", *(f"{name}_{axis}" for name in ("image", "entry", "exit") for axis in "xyz"))
+MOVES = " ".join(("swimmer", "start_time", "end_time", "start_censored", *_WHERE))  # columns that moves are made of
+_FLIGHTS = "swimmer start_time end_time end_censored"
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class Moves:
         return Moves(**{name: values[chosen] for name, values in vars(self).items()})
 
 
+@needs(encounters=MOVES)
 def moves(encounters: pa.Table) -> Moves:
     """All moves, hops and returns alike, swimmer by swimmer in order of time."""
     order, swimmer = time_order(encounters), column(encounters, "swimmer")
@@ -74,12 +78,14 @@ def moves(encounters: pa.Table) -> Moves:
     )
 
 
+@needs(encounters=MOVES)
 def hops(encounters: pa.Table) -> Moves:
     """Moves to a different colloid or to another image of the same one."""
     every = moves(encounters)
     return every.select(~same_colloid(every))
 
 
+@needs(encounters=MOVES)
 def returns(encounters: pa.Table) -> Moves:
     """Moves back to the colloid that was left."""
     every = moves(encounters)
@@ -91,6 +97,7 @@ def same_colloid(every: Moves) -> np.ndarray:
     return (every.from_colloid == every.to_colloid) & np.all(every.from_image == every.to_image, axis=1)
 
 
+@needs(encounters=_FLIGHTS)
 def flight_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Times from the end of each encounter that ended to the swimmer's next one, swimmer by swimmer.
 
@@ -111,6 +118,7 @@ def _flight_lifetimes(encounters: pa.Table, last_time: float) -> Lifetimes:
     return every.select(~column(encounters, "end_censored")[order])
 
 
+@needs(encounters=_FLIGHTS)
 def flights(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Mean times between encounters: see `flight_lifetimes`."""
     return flight_lifetimes(encounters).summary(horizon=horizon)
@@ -131,9 +139,11 @@ class HopStatistics:
     displacement: Estimate
     """Mean distance from exit to entry, a."""
     nearest_share: Estimate
-    """Share of the hops that lead to a nearest neighbour of the colloid that was left."""
+    """Share of the hops that lead to a nearest neighbour of the colloid that was left: to its first shell where the
+    distances between colloids form shells, as in a lattice; else to a colloid whose cell touches."""
 
 
+@needs(encounters=MOVES, colloids="colloid x y z radius")
 def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> HopStatistics:
     """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`.
 
@@ -141,7 +151,7 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
     rates, not rates of 0.
     """
     info = TableInfo.of(encounters)
-    nearest = neighbour_distances(colloids, box=info.box)[0]
+    nearest = Nearest(colloids, box=info.box)
     sums: list[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = []
     for part in parts_of(encounters, *WHEN, *_WHERE):
         every = moves(part)
@@ -153,6 +163,9 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
     def mean(values: str, unit: str) -> Estimate:
         return Estimate(*ratio_of_sums(hopped[values], hopped["n"]), n, 0, unit)
 
+    nearest_share = mean("nearest", "")
+    if n and nearest.unknown:
+        nearest_share = replace(Estimate.none(""), n=n, warning=UNKNOWN)
     elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
         hop_rate=_rate(hopped["n"], info) if elsewhere else Estimate.none("U/a"),
@@ -160,7 +173,7 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
         time=mean("time", "a/U"),
         length=mean("length", "a"),
         displacement=mean("displacement", "a"),
-        nearest_share=mean("nearest", ""),
+        nearest_share=nearest_share,
     )
 
 
@@ -168,17 +181,18 @@ def _counts(counted: Moves) -> dict[str, np.ndarray]:
     return {"n": Swimmers.of(counted.swimmer).sums(np.ones(len(counted)))}
 
 
-def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: np.ndarray, info: TableInfo) -> dict[str, np.ndarray]:
-    """Of each swimmer that hopped, over its hops; `nearest` is each colloid's distance to its nearest neighbour."""
-    length = hop_lengths(hopped, colloids, box=info.box)
+def _hop_sums(hopped: Moves, colloids: pa.Table, nearest: Nearest, info: TableInfo) -> dict[str, np.ndarray]:
+    """Of each swimmer that hopped, over its hops."""
+    length, image = hop_lengths(hopped, colloids, box=info.box), hopped.to_image - hopped.from_image
     values = {
         "time": hopped.time, "length": length, "displacement": np.linalg.norm(hopped.displacement, axis=1),
-        "nearest": length <= SAME_DISTANCE * nearest[hopped.from_colloid],
+        "nearest": nearest.among(hopped.from_colloid, hopped.to_colloid, image, length),
     }  # fmt: skip
     swimmers = Swimmers.of(hopped.swimmer)
     return {name: swimmers.sums(value) for name, value in values.items()} | _counts(hopped)
 
 
+@needs(colloids="colloid x y z")
 def hop_lengths(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, float]) -> np.ndarray:
     """Distance between the centres of the two colloids of each move, (n,), a."""
     return np.linalg.norm(hop_vectors(hopped, colloids, box=box), axis=1)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.transport import Tracks, tracks
+from porous_swim.analysis.columns import DIRECTORS, PLACES, needs
+from porous_swim.analysis.transport import Tracks, error_of_mean, mean_of_known, tracks
 from porous_swim.errors import ResultsError
 
 N_LAGS = 30  # by default, in geometric order
@@ -25,7 +26,7 @@ class TimeAverages:
     """A time-averaged quantity against lag."""
 
     lag: np.ndarray  # (n_lags,) a/U
-    each: np.ndarray  # (n_lags, n_swimmers), averages over one swimmer's starts
+    each: np.ndarray  # (n_lags, n_swimmers), averages over one swimmer's starts; NaN where it has none
 
     @property
     def n(self) -> int:
@@ -35,32 +36,32 @@ class TimeAverages:
     @property
     def value(self) -> np.ndarray:
         """Mean over swimmers, (n_lags,)."""
-        return np.mean(self.each, axis=1) if self.n else np.full(len(self.lag), math.nan)
+        return mean_of_known(self.each, axis=1)
 
     @property
     def standard_error(self) -> np.ndarray:
         """Of `value`, (n_lags,): the jackknife over swimmers, which for a mean is the usual one."""
         return error_of_mean(self.each)
 
-
-def error_of_mean(each: np.ndarray) -> np.ndarray:
-    """Standard error of the mean over the second axis of (n_lags, n_swimmers); NaN for fewer than two swimmers."""
-    n = each.shape[1]
-    if n < 2:
-        return np.full(each.shape[0], math.nan)
-    return np.asarray(np.std(each, axis=1, ddof=1) / math.sqrt(n))
+    def complete(self) -> TimeAverages:
+        """Of the swimmers that have an average at every lag."""
+        there = ~np.isnan(self.each).any(axis=0)
+        return self if there.all() else TimeAverages(self.lag, self.each[:, there])
 
 
+@needs(trajectory=PLACES)
 def time_averaged_msd(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean squared displacement against lag, a^2. See `lag_averages` for `lags`."""
     return lag_averages(even_frames(trajectory), squared_step, lags=lags)
 
 
+@needs(trajectory=f"{PLACES} {DIRECTORS}")
 def time_averaged_director_correlation(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean of e(t + lag).e(t). See `lag_averages` for `lags`."""
     return lag_averages(even_frames(trajectory), director_overlap, lags=lags)
 
 
+@needs(trajectory=PLACES)
 def straightness(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> TimeAverages:
     """Mean |displacement|/lag, in U: 1 for a swimmer that goes straight. See `lag_averages` for `lags`."""
     found = lag_averages(even_frames(trajectory), lambda *pair: np.sqrt(squared_step(*pair)), lags=lags)
@@ -85,20 +86,36 @@ def director_overlap(step: np.ndarray, before: np.ndarray, after: np.ndarray) ->
 def even_frames(trajectory: pa.Table) -> Tracks:
     """The recorded swimmers at equal intervals; a last frame that comes early (the end of a run) is left out.
 
+    Frames that nobody is in may be missing: they stay so, NaN for all.
+
     Raises:
-        ResultsError: other frames are not at equal intervals.
+        ResultsError: other frames are not at equal intervals, or half of them are missing.
     """
     recorded = tracks(trajectory)
     interval = np.diff(recorded.time)
     if len(interval) > 1 and interval[-1] < interval[0] * (1.0 - 1e-6):
         recorded = Tracks(recorded.time[:-1], recorded.swimmer, recorded.position[:-1], recorded.director[:-1])
         interval = interval[:-1]
-    if len(interval) and np.ptp(interval) > 1e-6 * interval[0]:
+    if len(interval) == 0 or np.ptp(interval) <= 1e-6 * interval[0]:
+        return recorded
+    step = np.rint(interval / np.min(interval)).astype(int)
+    if np.any(np.abs(interval - step * np.min(interval)) > 1e-6 * interval) or 2 * len(step) < step.sum():
         raise ResultsError(
             f"trajectory: found frames {np.min(interval):g} to {np.max(interval):g} a/U apart; "
-            "lags need equal intervals"
+            "lags need equal intervals, of which half and more may not be missing"
         )
-    return recorded
+    return _with_missing(recorded, np.append(0, np.cumsum(step)))
+
+
+def _with_missing(recorded: Tracks, frame: np.ndarray) -> Tracks:
+    """The tracks at numbers (n_frames,) among equal intervals, with frames of nobody between."""
+    n_frames = int(frame[-1]) + 1
+    time = np.linspace(recorded.time[0], recorded.time[-1], n_frames)
+    time[frame] = recorded.time
+    shape = n_frames, *recorded.position.shape[1:]
+    position, director = np.full(shape, math.nan), np.full(shape, math.nan)
+    position[frame], director[frame] = recorded.position, recorded.director
+    return Tracks(time, recorded.swimmer, position, director)
 
 
 def lag_averages(
@@ -116,7 +133,7 @@ def lag_averages(
     each = np.empty((len(frames), len(recorded.swimmer)))
     for i, n in enumerate(frames):
         step = recorded.position[n:] - recorded.position[:-n]
-        each[i] = np.mean(quantity(step, recorded.director[:-n], recorded.director[n:]), axis=0)
+        each[i] = mean_of_known(quantity(step, recorded.director[:-n], recorded.director[n:]), axis=0)
     interval = recorded.time[1] - recorded.time[0] if len(recorded.time) > 1 else 0.0
     return TimeAverages(frames * interval, each)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
 from porous_swim.analysis.histogram import Histogram, histogram
 
@@ -28,6 +28,7 @@ class Orbits:
     """Share with a net winding above 0: one half where nothing tells left from right; no value in 3-D."""
 
 
+@needs(encounters="swimmer start_censored end_censored winding signed_winding")
 def orbits(encounters: pa.Table, *, edges: np.ndarray | None = None) -> Orbits:
     """Distributions over bins of |turns| (n_bins + 1,), by default a tenth of a turn wide up to the largest.
 

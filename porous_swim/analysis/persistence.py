@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
+from porous_swim.analysis.columns import DIRECTORS, PLACES, needs
 from porous_swim.analysis.estimates import Estimate
 from porous_swim.analysis.lagged import (
     TimeAverages,
@@ -34,6 +35,7 @@ class Persistence:
     """Mean of e(t + lag).e(t)."""
 
 
+@needs(trajectory=f"{PLACES} {DIRECTORS}")
 def persistence(trajectory: pa.Table, *, lags: np.ndarray | None = None) -> Persistence:
     """Project displacements on the director at their start, as far as the first lag at which that is forgotten.
 

@@ -1,16 +1,12 @@
-"""Where the colloids of a table are, and how far their neighbours are. Lengths in a."""
+"""Where the colloids of a table are, and their periodic images. Lengths in a."""
 
 from __future__ import annotations
 
 import numpy as np
 import pyarrow as pa
-from scipy.spatial import cKDTree
 
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.errors import ResultsError
-
-# Centres are kept in fixed point: neighbours of a lattice are at one distance only up to rounding.
-SAME_DISTANCE = 1.0001
 
 
 def centers_of(colloids: pa.Table) -> np.ndarray:
@@ -35,47 +31,26 @@ def sphere_radii_of(colloids: pa.Table) -> np.ndarray:
     return radii_of(colloids)
 
 
-def neighbour_distances(colloids: pa.Table, *, box: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from each centre to the nearest other one, and to the nearest beyond that distance, (n_colloids,) each.
+def wrapped(centers: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (n, 3) moved into a box with edges (3,), 0 along an axis that does not repeat, and by how many (n, 3)."""
+    moved = np.floor(np.divide(centers, edges, out=np.zeros_like(centers), where=edges > 0.0)).astype(int)
+    return centers - moved * edges, moved
 
-    Periodic images count, those of the colloid itself too. Infinite where there is no such neighbour.
+
+def tiled(centers: np.ndarray, edges: np.ndarray, margins: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Centres (n, 3) in a box and their images up to `margins` (3,) outside it along the axes that repeat.
+
+    Returns points (m, 3), the centres themselves first; of which centre each is an image, (m,); and of which image,
+    (m, 3).
     """
-    edges = np.asarray(box)
-    repeats = edges > 0.0
-    centers = centers_of(colloids)
-    centers[:, repeats] -= np.floor(centers[:, repeats] / edges[repeats]) * edges[repeats]
-    n = len(centers)
-    if n == 0:
-        return np.zeros(0), np.zeros(0)
-    # Within two of the shortest edge lie two images of the colloid itself; most fields need only a few spacings.
-    furthest = 2.0 * float(np.min(edges[repeats])) if repeats.any() else np.inf
-    spacing = (float(np.prod(edges[repeats])) / n) ** (1.0 / max(int(repeats.sum()), 1))
-    reach, k = min(4.0 * spacing, furthest) if repeats.any() else np.inf, 32
-    while True:
-        points = _images(centers, edges, reach)
-        k = min(k, len(points))
-        distance = np.asarray(cKDTree(points).query(centers, k=range(1, k + 1))[0])[:, 1:]  # the first is itself
-        distance = np.where(distance <= reach * SAME_DISTANCE, distance, np.inf)
-        nearest = distance[:, 0] if distance.shape[1] else np.full(n, np.inf)
-        beyond = np.where(distance > nearest[:, None] * SAME_DISTANCE, distance, np.inf)
-        second = np.min(beyond, axis=1, initial=np.inf)
-        missing = bool(np.any(np.isinf(second)))
-        if missing and k < len(points):
-            k *= 2
-        elif missing and reach < furthest:
-            reach = min(2.0 * reach, furthest)
-        else:
-            return nearest, second
-
-
-def _images(centers: np.ndarray, edges: np.ndarray, reach: float) -> np.ndarray:
-    """The centres and their images up to `reach` outside the box, (n, 3)."""
-    points = centers
-    margin = reach * SAME_DISTANCE
-    for axis, edge in enumerate(edges):
-        if edge > 0.0:
-            step = np.zeros(3)
-            step[axis] = edge
-            points = np.concatenate([points + number * step for number in (-2, -1, 0, 1, 2)])
-            points = points[(points[:, axis] >= -margin) & (points[:, axis] <= edge + margin)]
-    return points
+    points, base, image = centers, np.arange(len(centers)), np.zeros((len(centers), 3), int)
+    for axis in np.flatnonzero(edges > 0.0):
+        edge, reach = edges[axis], int(np.ceil(margins[axis] / edges[axis]))
+        numbers = np.array([0, *(sign * k for k in range(1, reach + 1) for sign in (-1, 1))])
+        steps = np.zeros((len(numbers), 3), int)
+        steps[:, axis] = numbers
+        points, base = (points[None] + (steps * edges)[:, None]).reshape(-1, 3), np.tile(base, len(numbers))
+        image = (image[None] + steps[:, None]).reshape(-1, 3)
+        inside = (points[:, axis] >= -margins[axis]) & (points[:, axis] <= edge + margins[axis])
+        points, base, image = points[inside], base[inside], image[inside]
+    return points, base, image

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, time_order
+from porous_swim.analysis.columns import column, needs, time_order
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over_swimmers, ratio_of_sums
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes
@@ -16,6 +16,9 @@ from porous_swim.encounters import Encounters, parts_of
 from porous_swim.tables import TableInfo
 
 WHEN = ("swimmer", "start_time", "end_time", "start_censored", "end_censored")
+_STAYS = " ".join(WHEN)
+_PASSAGES = "swimmer start_time start_censored escape_pitch_time"
+_FRACTIONS = "swimmer start_time end_time end_censored contact_time"
 
 
 def residence_lengths(encounters: pa.Table) -> np.ndarray:
@@ -23,6 +26,7 @@ def residence_lengths(encounters: pa.Table) -> np.ndarray:
     return column(encounters, "end_time") - column(encounters, "start_time")
 
 
+@needs(encounters=_STAYS)
 def residence_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Lengths of the encounters with what was seen of them, row by row. The table needs its `TableInfo`."""
     last_time = TableInfo.of(encounters).last_time
@@ -38,20 +42,24 @@ def residence_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     )
 
 
+@needs(encounters=_STAYS)
 def residence_times(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Residence (trapping) times: the lengths of the encounters, censored ones taken into account.
 
     Encounters that were under way when the table starts add time to `mean` and stay out of the rest.
-    `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter.
+    `horizon`, in a/U, bounds `restricted_mean`; it defaults to the longest encounter where at most 2 % last that
+    long, else to `Lifetimes.follow_up`.
     """
     return residence_lifetimes(encounters).summary(horizon=horizon)
 
 
+@needs(encounters=_STAYS)
 def residence_survival(encounters: pa.Table | Encounters) -> SurvivalCurve:
     """Probability that an encounter lasts longer than a time; only encounters whose start was seen."""
     return residence_lifetimes(encounters).survival()
 
 
+@needs(encounters=_PASSAGES)
 def escape_pitch_lifetimes(encounters: pa.Table | Encounters) -> Lifetimes:
     """Times from the start of each encounter until the pitch first exceeds `encounter.escape_pitch`, row by row.
 
@@ -81,6 +89,7 @@ def _escape_pitch_lifetimes(encounters: pa.Table, last_time: float) -> Lifetimes
     )
 
 
+@needs(encounters=_PASSAGES)
 def escape_pitch_times(encounters: pa.Table | Encounters, *, horizon: float | None = None) -> WaitingTimes:
     """Time from the start of an encounter until the pitch first exceeds `encounter.escape_pitch`.
 
@@ -90,16 +99,19 @@ def escape_pitch_times(encounters: pa.Table | Encounters, *, horizon: float | No
     return passages.select(passages.start_seen).summary(horizon=horizon)
 
 
+@needs(encounters=_FRACTIONS)
 def bound_fraction(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of all swimmers' time spent in encounters, averaged over the run. Needs the `TableInfo`."""
     return _time_fraction(_times(encounters)["bound"], TableInfo.of(encounters))
 
 
+@needs(encounters=_FRACTIONS)
 def contact_fraction(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of all swimmers' time spent in contact, averaged over the run. Needs the `TableInfo`."""
     return _time_fraction(_times(encounters)["contact"], TableInfo.of(encounters))
 
 
+@needs(encounters=_FRACTIONS)
 def contact_fraction_of_encounters(encounters: pa.Table | Encounters) -> Estimate:
     """Fraction of the time in encounters that is spent in contact."""
     sums = _times(encounters)
@@ -107,6 +119,7 @@ def contact_fraction_of_encounters(encounters: pa.Table | Encounters) -> Estimat
     return Estimate(value, error, int(sums["n"].sum()), int(sums["n_censored"].sum()), "")
 
 
+@needs(encounters="start_time end_time end_censored")
 def bound_fraction_at(encounters: pa.Table, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fraction of swimmers in an encounter at each of the times (n,), and its standard error (n,).
 

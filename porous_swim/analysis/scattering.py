@@ -5,11 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column, vectors
+from porous_swim.analysis.columns import column, needs, vectors
 from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.tables import TableInfo
 
 _BOUND = 0.5  # turns: beyond, the angle, which is known up to full turns, says nothing of how the swimmer went
+_ENCOUNTERS = (
+    "swimmer colloid image_x image_y image_z start_time end_time start_censored end_censored winding "
+    "entry_x entry_y entry_z entry_ex entry_ey entry_ez exit_ex exit_ey exit_ez"
+)
 
 _SCHEMA = pa.schema(
     [
@@ -23,6 +27,7 @@ _SCHEMA = pa.schema(
 )
 
 
+@needs(encounters=_ENCOUNTERS, colloids="colloid x y z radius")
 def scattering(encounters: pa.Table, colloids: pa.Table, *, most_turns: float = _BOUND) -> pa.Table:
     """One row for each completed encounter that wound at most `most_turns`, by default half a turn: it did not bind.
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
 from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
-from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
+from porous_swim.analysis.hops import MOVES, HopStatistics, flights, hop_statistics
 from porous_swim.analysis.residence import (
     bound_fraction,
     contact_fraction,
@@ -29,8 +30,16 @@ from porous_swim.scales import pretty
 from porous_swim.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
+_LAGS = "lag n_swimmers msd director_correlation"
+_ENCOUNTERS = f"{MOVES} end_censored contact_time winding signed_winding escape_pitch_time"
 
 
+@needs(
+    encounters=_ENCOUNTERS,
+    colloids="colloid x y z radius",
+    timeseries="time msd msd_standard_error",
+    lags=_LAGS,
+)
 def summarize(
     encounters: pa.Table | Encounters,
     colloids: pa.Table,
@@ -42,29 +51,28 @@ def summarize(
 ) -> dict[str, Any]:
     """Statistics of a run, ready for JSON: each is `{value, standard_error, n, n_censored, unit}`.
 
+    One that is not to be trusted has a `warning` besides, which says why.
     The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone,
     infinite without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of
     warnings; what the numbers themselves give rise to follows.
     """
-    residence, passage = residence_times(encounters), escape_pitch_times(encounters)
+    residence, passage, away = residence_times(encounters), escape_pitch_times(encounters), flights(encounters)
     late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
     persistence_time = min(persistence_time, director_memory(lags))
     shown = late.n_lags > 0 and (late.linear or late.value > 0.0)  # orbits come back: a slope below 0 is none
     reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
-    found = [
-        *_residence_warnings(residence, TableInfo.of(encounters).duration),
-        *_passage_warnings(encounters),
-        *_diffusivity_warnings(late, duration, persistence_time),
-    ]
+    stays = list(_residence_warnings(residence, TableInfo.of(encounters).duration))
+    doubts = list(_diffusivity_warnings(late, duration, persistence_time))
+    found = [*stays, *_passage_warnings(encounters), *doubts]
     return {
-        "residence": _waiting(residence),
-        "escape_pitch_time": _waiting(passage),
+        "residence": _waiting(residence, stays),
+        "escape_pitch_time": _waiting(passage, _mean_warnings(passage, duration)),
         "winding": _winding(winding(encounters, colloids)),
         **_moves(hop_statistics(encounters, colloids)),
-        "flights": _waiting(flights(encounters)),
+        "flights": _waiting(away, _mean_warnings(away, duration)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": (late.estimate() if shown else Estimate.none("a U")).as_dict(),
+            "effective": _marked(late.estimate() if shown else Estimate.none("a U"), doubts),
             "window": list(late.window) if shown else None,
             "reliable": reliable,
         },
@@ -77,9 +85,14 @@ def summarize(
     }
 
 
-def _waiting(times: WaitingTimes) -> dict[str, Any]:
+def _marked(estimate: Estimate, warnings: Iterable[str]) -> dict[str, Any]:
+    """An estimate with why it is not to be trusted, where there is such."""
+    return replace(estimate, warning=" ".join(warnings) or None).as_dict()
+
+
+def _waiting(times: WaitingTimes, warnings: Iterable[str]) -> dict[str, Any]:
     return {
-        "mean": times.estimate().as_dict(),
+        "mean": _marked(times.estimate(), warnings),
         "restricted_mean": times.restricted_estimate().as_dict(),
         "horizon": times.horizon if math.isfinite(times.horizon) else None,
         "mean_completed": times.completed_estimate().as_dict(),
@@ -128,6 +141,19 @@ def _residence_warnings(residence: WaitingTimes, duration: float) -> Iterable[st
         )
 
 
+def _mean_warnings(times: WaitingTimes, duration: float) -> Iterable[str]:
+    """Of a mean waiting time, as above of the residence."""
+    if times.n == 0 < times.n_censored:
+        yield f"No end was seen ({times.n_censored} under way or cut off): the mean is not known."
+    elif 0 < times.n < ENDS_WANTED:
+        yield f"Few ends were seen ({times.n}): the mean and its error are rough ({ENDS_WANTED} or more are wanted)."
+    if times.n and duration < times.mean:
+        yield (
+            f"The run ({duration:g} a/U) is shorter than this mean, which is then an extrapolation: it holds if ends "
+            "come at a constant rate."
+        )
+
+
 def _passage_warnings(encounters: pa.Table | Encounters) -> Iterable[str]:
     n = missing = 0
     for part in parts_of(encounters, "end_censored", "escape_pitch_time"):
@@ -172,13 +198,16 @@ _LINES = (  # (label, where in the summary)
 
 
 def summary_lines(summary: Mapping[str, Any]) -> list[str]:
-    """The summary for people: each statistic that has a value ± one standard error, then the warnings."""
-    lines = []
+    """The summary for people: each value ± one standard error, why it is doubtful below it, and the other warnings."""
+    lines, told = [], ""
     for label, (group, name) in _LINES:
         statistic = summary[group][name]
         if statistic["value"] is not None:
             lines.append(f"{label}: {_in_words(statistic)}")
-    return [*lines, *(f"warning: {warning}" for warning in summary["warnings"])]
+            if (doubt := statistic.get("warning")) is not None:
+                lines.append(f"  doubtful: {doubt}")
+                told += doubt
+    return [*lines, *(f"warning: {warning}" for warning in summary["warnings"] if warning not in told)]
 
 
 def summary_page(summary: Mapping[str, Any]) -> str:
@@ -188,7 +217,9 @@ def summary_page(summary: Mapping[str, Any]) -> str:
         if summary[group][name]["value"] is not None:
             statistic = summary[group][name]
             shown = {**statistic, **statistic.get("physical", {}), "physical": None}
-            rows.append(f"| {label} | {_in_words(shown)} |")
+            doubt = statistic.get("warning")
+            mark = "" if doubt is None else f"; **warning**: {doubt}"
+            rows.append(f"| {label} | {_in_words(shown)}{mark} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
     warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])
     return f"{table}\n\n{warnings}" if warnings else table

@@ -9,6 +9,8 @@ import numpy as np
 
 from porous_swim.analysis.estimates import Estimate, Swimmers, ratio_of_sums
 
+_NEAR_ZERO = 0.02  # survival at an end that the data chose: below, the error of the area is right to 5 %
+
 
 @dataclass(frozen=True)
 class SurvivalCurve:
@@ -21,10 +23,18 @@ class SurvivalCurve:
     probability: np.ndarray  # (n_times,) from `time` on, up to the next
     n_at_risk: np.ndarray  # (n_times,) samples that lasted to `time`
     n_ended: np.ndarray  # (n_times,) samples that ended at `time`
+    longest: float
+    """The longest time seen, a/U: unless all had ended by then nothing is known beyond. NaN without samples."""
 
     def at(self, time: np.ndarray) -> np.ndarray:
-        """The probability to last longer than each of the times (n,), a/U."""
-        return np.append(1.0, self.probability)[np.searchsorted(self.time, time, side="right")]
+        """The probability to last longer than each of the times (n,), a/U; NaN beyond what was seen."""
+        found = np.append(1.0, self.probability)[np.searchsorted(self.time, time, side="right")]
+        return np.where(self.known(time), found, math.nan)
+
+    def known(self, time: np.ndarray | float) -> np.ndarray:
+        """Whether the probability at each of the times (n,), a/U, is known, (n,) bool."""
+        all_ended = len(self.probability) > 0 and self.probability[-1] == 0.0
+        return (np.asarray(time) <= self.longest) | all_ended
 
 
 @dataclass(frozen=True)
@@ -42,13 +52,16 @@ class WaitingTimes:
     restricted_mean: float
     """Mean of min(time, horizon), free of assumptions: the area under the survival curve up to `horizon`."""
     restricted_standard_error: float
-    """Of `restricted_mean`: infinitesimal jackknife over swimmers."""
+    """Of `restricted_mean`: infinitesimal jackknife over swimmers. NaN where no end was seen, and where the data chose
+    the horizon and more than 2 % last that long: another run would have another horizon."""
     horizon: float
     """Where the survival curve is cut."""
     mean_completed: float
     """Mean of the completed ones alone: biased towards short ones; for comparison."""
     completed_standard_error: float
     """Of `mean_completed`: jackknife over swimmers."""
+    restricted_warning: str | None = None
+    """Why `restricted_mean` is not to be trusted."""
 
     def estimate(self) -> Estimate:
         """`mean` with its error and counts."""
@@ -61,7 +74,10 @@ class WaitingTimes:
 
     def restricted_estimate(self) -> Estimate:
         """`restricted_mean` with its error and counts."""
-        return Estimate(self.restricted_mean, self.restricted_standard_error, self.n, self.n_censored, "a/U")
+        counts = self.n, self.n_censored
+        return Estimate(
+            self.restricted_mean, self.restricted_standard_error, *counts, "a/U", warning=self.restricted_warning
+        )
 
 
 def survival_curve(length: np.ndarray, *, ended: np.ndarray) -> SurvivalCurve:
@@ -70,7 +86,8 @@ def survival_curve(length: np.ndarray, *, ended: np.ndarray) -> SurvivalCurve:
     ended_before = np.cumsum(n_ended) - n_ended
     cut_before = np.searchsorted(np.sort(length[~ended]), time, side="left")
     n_at_risk = len(length) - ended_before - cut_before
-    return SurvivalCurve(time, np.cumprod(1.0 - n_ended / n_at_risk), n_at_risk, n_ended)
+    longest = float(np.max(length)) if len(length) else math.nan
+    return SurvivalCurve(time, np.cumprod(1.0 - n_ended / n_at_risk), n_at_risk, n_ended, longest)
 
 
 def waiting_times(
@@ -80,12 +97,15 @@ def waiting_times(
     swimmer: np.ndarray,
     start_seen: np.ndarray | None = None,
     horizon: float | None = None,
+    follow_up: float | None = None,
 ) -> WaitingTimes:
     """Summarise lengths (n,), of which `ended` and `start_seen` (n,) say what was seen.
 
     Lengths without a seen start count in `mean` and stay out of the survival curve and `mean_completed`.
-    `horizon` defaults to the longest length seen; a later one is cut back to that, beyond which nothing
-    is known, unless the curve has reached zero.
+    `horizon` defaults to the longest length seen where at most 2 % last that long, else to `follow_up`, to which
+    samples could be followed however long they last. A later one than the longest length is cut back to that, beyond
+    which nothing is known, unless the curve has reached zero. Where the horizon is the longest length and more than
+    2 % last that long, there is no error: the data chose it.
     """
     swimmers = Swimmers.of(swimmer)
     mean, standard_error = ratio_of_sums(swimmers.sums(length), swimmers.sums(ended))
@@ -96,7 +116,7 @@ def waiting_times(
     )
     del swimmers  # there may be 10^8 rows
     known = (length, ended, swimmer) if whole.all() else (length[whole], ended[whole], swimmer[whole])
-    restricted, restricted_error, horizon = _restricted_mean(*known, horizon=horizon)
+    restricted, restricted_error, horizon, doubt = _restricted_mean(*known, horizon=horizon, follow_up=follow_up)
     return WaitingTimes(
         mean=mean,
         standard_error=standard_error,
@@ -107,19 +127,42 @@ def waiting_times(
         horizon=horizon,
         mean_completed=mean_completed,
         completed_standard_error=completed_error,
+        restricted_warning=doubt,
     )
 
 
+def _end_of_mean(curve: SurvivalCurve, *, horizon: float | None, follow_up: float | None) -> tuple[float, str | None]:
+    """Where the area under the curve ends, and why there is no error of it."""
+    left = _share_left(curve)
+    wanted = follow_up if horizon is None and left > _NEAR_ZERO else horizon
+    end = curve.longest if wanted is None or not curve.known(wanted) else wanted
+    if len(curve.time) == 0 or curve.time[0] > end:
+        return end, f"No end was seen up to {end:.4g} a/U: the value is that limit itself, a lower bound of the mean."
+    if end == wanted or left <= _NEAR_ZERO:
+        return end, None
+    return end, (
+        f"The mean goes up to the longest time seen, {end:.4g} a/U, which {100.0 * left:.2g} % reach: another run "
+        "would have another limit, so there is no error."
+    )
+
+
+def _share_left(curve: SurvivalCurve) -> float:
+    """Probability to last as long as the longest, 0 where nothing was cut off: whether that one ended is chance."""
+    n_ended, n = int(np.sum(curve.n_ended)), int(curve.n_at_risk[0]) if len(curve.n_at_risk) else 0
+    if n_ended == n > 0:
+        return 0.0
+    before = np.append(1.0, curve.probability)
+    return float(before[-2] if len(curve.time) and curve.time[-1] == curve.longest else before[-1])
+
+
 def _restricted_mean(
-    length: np.ndarray, ended: np.ndarray, swimmer: np.ndarray, *, horizon: float | None
-) -> tuple[float, float, float]:
-    """Area under the survival curve up to the horizon, its error over swimmers, and the horizon."""
+    length: np.ndarray, ended: np.ndarray, swimmer: np.ndarray, *, horizon: float | None, follow_up: float | None
+) -> tuple[float, float, float, str | None]:
+    """Area under the survival curve up to the horizon, its error over swimmers, the horizon, and a doubt."""
     if len(length) == 0:
-        return math.nan, math.nan, math.nan if horizon is None else horizon
-    longest = float(np.max(length))
-    if horizon is None or (horizon > longest and not ended[length == longest].all()):
-        horizon = longest
+        return math.nan, math.nan, math.nan if horizon is None else horizon, None
     curve = survival_curve(length, ended=ended)
+    horizon, doubt = _end_of_mean(curve, horizon=horizon, follow_up=follow_up)
     n_used = int(np.searchsorted(curve.time, horizon, side="left"))
     time, n_ended, n_at_risk = (values[:n_used] for values in (curve.time, curve.n_ended, curve.n_at_risk))
     steps = np.diff(np.concatenate([[0.0], time, [horizon]]))
@@ -141,6 +184,6 @@ def _restricted_mean(
     del last
     swimmers = Swimmers.of(swimmer)
     influence = swimmers.sums(exposure)
-    if swimmers.n < 2:
-        return mean, math.nan, horizon
-    return mean, math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2))), horizon
+    if swimmers.n < 2 or doubt is not None:
+        return mean, math.nan, horizon, doubt
+    return mean, math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2))), horizon, None

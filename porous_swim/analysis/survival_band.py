@@ -15,13 +15,17 @@ from porous_swim.analysis.survival import SurvivalCurve
 
 @dataclass(frozen=True, eq=False)
 class SurvivalBand:
-    """Pointwise confidence limits of a survival curve; NaN where the curve has reached 0."""
+    """Pointwise confidence limits of a survival curve; NaN where the curve has reached 0.
+
+    Each holds from its time on, up to the next, and the last up to `longest`: nothing is known beyond.
+    """
 
     time: np.ndarray  # (n_times,) those of the curve
     lower: np.ndarray  # (n_times,)
     upper: np.ndarray  # (n_times,)
     standard_error: np.ndarray  # (n_times,) Greenwood's
     level: float  # coverage at each time
+    longest: float  # that of the curve
 
 
 def survival_band(curve: SurvivalCurve, *, level: float = 0.95) -> SurvivalBand:
@@ -35,14 +39,16 @@ def survival_band(curve: SurvivalCurve, *, level: float = 0.95) -> SurvivalBand:
     relative = np.sqrt(np.cumsum(terms))
     probability = np.where(left > 0, curve.probability, math.nan)
     power = np.exp(float(ndtri(0.5 + 0.5 * level)) * relative / np.abs(np.log(probability)))
-    return SurvivalBand(curve.time, probability**power, probability ** (1.0 / power), probability * relative, level)
+    limits = probability**power, probability ** (1.0 / power)
+    return SurvivalBand(curve.time, *limits, probability * relative, level, curve.longest)
 
 
 def survival_at(lifetimes: Lifetimes, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Survival probability at times (m,), and its standard error over swimmers (m,).
 
     The error is an infinitesimal jackknife in which all lifetimes of one swimmer change weight together, so
-    that it holds where they are alike. NaN from where the curve is 0, and for a single swimmer.
+    that it holds where they are alike. The error is NaN from where the curve is 0, and for a single swimmer; both are
+    beyond the longest time seen, unless all had ended by then.
     """
     seen = lifetimes.select(lifetimes.start_seen)
     curve, swimmers = seen.survival(), Swimmers.of(seen.swimmer)
@@ -58,4 +64,5 @@ def survival_at(lifetimes: Lifetimes, at: np.ndarray) -> tuple[np.ndarray, np.nd
             own = np.where(seen.ended & (last <= n_before), np.append(hazard, 0.0)[np.maximum(last - 1, 0)], 0.0)
             influence = swimmers.sums(exposure[np.minimum(last, n_before)] - own)
             error[i] = probability[i] * math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2)))
-    return probability, error
+    known = curve.known(at)
+    return np.where(known, probability, math.nan), np.where(known, error, math.nan)

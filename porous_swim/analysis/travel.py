@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
+from porous_swim.analysis.columns import PLACES, needs
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.transport import tracks
 
 
+@needs(trajectory=PLACES)
 def travel_times(trajectory: pa.Table, *, distance: float, direction: tuple[float, float, float]) -> Lifetimes:
     """Time from the start until each swimmer is first `distance` (a) further along `direction` (any length).
 
     One minus `survival()` is the breakthrough curve; `summary()` has the means. Swimmers that do not get there are
     censored at the end of the run. Between frames the way is taken for straight: an excursion that comes and goes
-    within one is missed, so that frames must be close beside the time that the distance takes.
+    within one is missed, so that frames must be close beside the time that the distance takes. Each swimmer starts
+    where it is first seen; where frames are missing the way is straight from the one before to the one after.
 
     Raises:
         ValueError: a distance that is not above 0, or a direction of length 0.
@@ -26,15 +29,18 @@ def travel_times(trajectory: pa.Table, *, distance: float, direction: tuple[floa
     n = len(recorded.swimmer)
     if len(recorded.time) == 0:
         return Lifetimes(np.zeros(0), np.zeros(0, bool), np.zeros(0, bool), np.zeros(0), np.zeros(0, int))
-    way = (recorded.position - recorded.position[:1]) @ (axis / np.linalg.norm(axis))  # (n_frames, n_swimmers)
-    beyond = way >= distance
-    there = beyond.any(axis=0)
-    # Never in the first frame, where the way is 0; swimmers that do not get there are read at frame 1 and cut below.
-    frame = np.where(there, beyond.argmax(axis=0), min(1, len(recorded.time) - 1))
+    seen = ~np.isnan(recorded.position[..., 0])  # (n_frames, n_swimmers)
+    first, end = seen.argmax(axis=0), len(seen) - 1 - seen[::-1].argmax(axis=0)
     number = np.arange(n)
-    last, first = way[frame - 1, number], way[frame, number]
-    part = np.divide(distance - last, first - last, out=np.zeros(n), where=there)
-    passage = recorded.time[frame - 1] + part * (recorded.time[frame] - recorded.time[frame - 1])
-    duration = float(recorded.time[-1] - recorded.time[0])
-    length = np.where(there, passage - recorded.time[0], duration)
-    return Lifetimes(length, there, np.ones(n, bool), np.full(n, duration), recorded.swimmer)
+    way = (recorded.position - recorded.position[first, number]) @ (axis / np.linalg.norm(axis))
+    beyond = way >= distance  # never where a swimmer is missing, nor in its first frame, where the way is 0
+    there = beyond.any(axis=0)
+    frame = np.where(there, beyond.argmax(axis=0), end)  # swimmers that do not get there are cut below
+    before = np.where(seen, np.arange(len(seen))[:, None], 0)
+    before = np.maximum.accumulate(before, axis=0)[np.maximum(frame - 1, 0), number]  # the last one seen before it
+    last, now = way[before, number], way[frame, number]
+    part = np.divide(distance - last, now - last, out=np.zeros(n), where=there)
+    passage = recorded.time[before] + part * (recorded.time[frame] - recorded.time[before])
+    limit = recorded.time[end] - recorded.time[first]
+    length = np.where(there, passage - recorded.time[first], limit)
+    return Lifetimes(length, there, np.ones(n, bool), limit, recorded.swimmer)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.analysis.columns import column
+from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, ratio_of_sums
 from porous_swim.analysis.places import at_wall
 from porous_swim.analysis.residence import WHEN, residence_lengths
@@ -28,6 +28,7 @@ class Winding:
     """Fraction of the completed encounters that wound more than one turn."""
 
 
+@needs(encounters=" ".join((*WHEN, "winding", "signed_winding")), colloids="colloid radius")
 def winding(encounters: pa.Table | Encounters, colloids: pa.Table | None = None) -> Winding:
     """Winding statistics of a table of encounters; errors are a jackknife over swimmers.
 

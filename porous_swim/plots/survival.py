@@ -25,6 +25,8 @@ class Survival:
     laws: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     """By name: times (n,), a/U, and probabilities (n,)."""
     theory: tuple[np.ndarray, np.ndarray] | None = None
+    theory_holds: bool = True
+    """False where the theory is out of its range."""
 
 
 def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None) -> Figure:
@@ -39,7 +41,7 @@ def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None)
             _curve(axis, run, name_it=len(shown) > 1)
             probability = run.data.curve.probability
             least = min(least, float(probability[probability > 0.0].min(initial=1.0)))
-            longest = max(longest, float(run.data.curve.time.max(initial=0.0)))
+            longest = max(longest, run.data.curve.longest)
         axis.set(yscale="log", ylim=(max(0.5 * least, 1e-5), 1.3), ylabel="share that lasts longer")
         axis.set_xlim(0.0, 1.05 * longest if longest > 0.0 else 1.0)
         label_x(axis, name, "a/U", scales)
@@ -50,13 +52,14 @@ def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None)
 def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
     curve, band = run.data.curve, survival_band(run.data.curve)
     chosen = thinned_tail(curve.probability)
-    time = np.concatenate([[0.0], curve.time[chosen]])
-    probability = np.concatenate([[1.0], curve.probability[chosen]])
+    # the last value holds as far as anything was seen to last, and no further
+    time, held = np.append(curve.time[chosen], curve.longest), np.append(chosen, chosen[-1])
     label = run.label if name_it else "Kaplan-Meier, 95 % band"
-    axis.step(time, probability, where="post", color=run.color, linewidth=1.3, label=label)
-    axis.fill_between(
-        curve.time[chosen], band.lower[chosen], band.upper[chosen], step="post", color=run.color, alpha=0.2, linewidth=0
-    )
+    axis.step(
+        np.append(0.0, time), np.append(1.0, curve.probability[held]),
+        where="post", color=run.color, linewidth=1.3, label=label,
+    )  # fmt: skip
+    axis.fill_between(time, band.lower[held], band.upper[held], step="post", color=run.color, alpha=0.2, linewidth=0)
     for law, (at, value) in run.data.laws.items():
         axis.plot(
             at,
@@ -67,4 +70,8 @@ def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
             label=None if name_it else law,
         )
     if run.data.theory is not None:
-        axis.plot(*run.data.theory, color="#cc79a7", linewidth=1.4, label=None if name_it else "theory")
+        holds = run.data.theory_holds
+        label = "theory" if holds else "theory, out of its range"
+        axis.plot(
+            *run.data.theory, "-" if holds else "-.", color="#cc79a7", linewidth=1.4, label=None if name_it else label
+        )

@@ -25,13 +25,19 @@ def section(runs: Sequence[Run]) -> Section:
     )
     lengths, times = np.linspace(0.0, 1.02 * longest, N_BINS + 1), np.linspace(0.0, max(latest, 1e-9), N_BINS + 1)
     found: list[Shown[hops.HopDistributions]] = [run.shows(_distributions(run, lengths, times)) for run in hopping]
-    rows = []
+    rows, text = [], []
     for run in hopping:
         shells = hop_shells(run.hops)
         shares = (shells.nearest, shells.second, shells.farther)
+        if all(np.isnan(share.value) for share in shares):
+            text.append(
+                run.says("Distances between the colloids form no shells: neighbours are not told apart by them.")
+            )
+            continue
         rows.append([run.label, *(value_and_error(share.value, share.standard_error) for share in shares)])
     return Section(
         "Hops", "hops",
+        text=text,
         draw=(lambda: hops.draw(found, scales_of(runs))) if found else None,
         caption="Distance between the centres of the colloids left and entered, time between the encounters, and angle "
         "from the swimmer's hop before; bars are one standard error over swimmers.",

@@ -8,6 +8,7 @@ import numpy as np
 
 from porous_swim import analysis
 from porous_swim.analysis import LifetimeFit, Lifetimes
+from porous_swim.analysis.summary import ENDS_WANTED
 from porous_swim.plots.survival import LAW_NAMES
 from porous_swim.reporting.numbers import both, interval, value_and_error
 from porous_swim.reporting.run import Run
@@ -69,10 +70,11 @@ def table_by_radius(runs: Sequence[Run]) -> list[Table]:
         parts = analysis.by_radius(run.encounters, run.results.colloids)
         for radius, part in parts.items() if 1 < len(parts) <= MOST_RADII else ():
             times, turns = analysis.residence_times(part), analysis.winding(part)
+            few = f"few ends were seen ({times.n}; {ENDS_WANTED} are wanted)." if times.n < ENDS_WANTED else ""
             rows.append(
                 [
                     run.label, both(radius, "a", run.scales),
-                    Number(both(times.mean, "a/U", run.scales, error=times.standard_error), times.mean),
+                    Number(both(times.mean, "a/U", run.scales, error=times.standard_error), times.mean, doubt=few),
                     value_and_error(turns.completed.value, turns.completed.standard_error),
                     f"{times.n:,}", f"{times.n_censored:,}",
                 ]

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from porous_swim.analysis.estimates import NONE, value_and_error
+from porous_swim.reporting.section import Cell, Number
 from porous_swim.scales import Scales, pretty
 
 
@@ -43,6 +44,13 @@ def interval(low: float, high: float, unit: str, scales: Scales | None) -> str:
 def counted(n: int, what: str) -> str:
     """`1 swimmer`, `2,000 swimmers`."""
     return f"{n:,} {what}" if n == 1 else f"{n:,} {what}s"
+
+
+def cell(value: float | None, error: float | None, *, note: str = "", doubt: str | None = None) -> Cell:
+    """A number with its error for a table, and why it is not to be trusted, where there is such."""
+    if value is None or not math.isfinite(value):
+        return Number(NONE, math.nan, doubt=doubt) if doubt else NONE
+    return Number(value_and_error(value, error), value, note, doubt or "")
 
 
 def statistics(summary: Mapping[str, Any], *path: str) -> dict[tuple[str, ...], Mapping[str, Any]]:

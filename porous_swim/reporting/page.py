@@ -38,6 +38,7 @@ thead th { position: sticky; top: 0; background: #fff; border-bottom: 2px solid 
 tbody th { font-weight: 400; white-space: normal; }
 data { white-space: nowrap; }
 td small { display: block; color: var(--soft); white-space: nowrap; }
+td small.doubt { color: #a33c00; white-space: normal; min-width: 16rem; max-width: 30rem; }
 pre { background: var(--ground); padding: .8rem 1rem; overflow: auto; font-size: .84rem; }
 summary { cursor: pointer; color: #0b5394; margin: .6rem 0; }
 @media print { body { max-width: none; } nav { display: none; } .table.long { max-height: none; }
@@ -102,7 +103,10 @@ def _table(table: Table) -> str:
 
 
 def _cell(cell: Cell) -> str:
-    if isinstance(cell, Number) and math.isfinite(cell.value):
-        note = f"<small>{escape(cell.note)}</small>" if cell.note else ""
+    if not isinstance(cell, Number):
+        return escape(cell)
+    note = f"<small>{escape(cell.note)}</small>" if cell.note else ""
+    note += f'<small class="doubt">doubtful: {escape(cell.doubt)}</small>' if cell.doubt else ""
+    if math.isfinite(cell.value):
         return f'<data value="{cell.value!r}">{escape(cell.text)}</data>{note}'
-    return escape(cell.text if isinstance(cell, Number) else cell)
+    return f"{escape(cell.text)}{note}"

@@ -23,7 +23,7 @@ _LEAST = 1e-5  # probability that is drawn
 def section(runs: Sequence[Run]) -> Section:
     """Residence times, times to the escape pitch, and times between encounters."""
     panels: dict[str, list[Shown[survival.Survival]]] = {}
-    missing, text, fitted = [], [], []
+    missing, text, fitted, warnings = [], [], [], []
     for run in runs:
         encounters = run.encounters
         if len(encounters) == 0:
@@ -33,11 +33,12 @@ def section(runs: Sequence[Run]) -> Section:
         fits, theory = fits_of(stays), trapping(run, passages)
         fitted.append((run, stays, fits))
         text.append(run.says(theory.sentence))
+        warnings += [run.says(doubt) for doubt in theory.doubts]
         if not fits:
             missing.append(run.says(_too_few(stays)))
         for name, lifetimes, data in (
             ("residence time", stays, {"laws": _curves(fits)}),
-            ("time to the escape pitch", passages, {"theory": theory.curve}),
+            ("time to the escape pitch", passages, {"theory": theory.curve, "theory_holds": not theory.doubts}),
             ("time between encounters", analysis.flight_lifetimes(encounters), {}),
         ):
             seen = lifetimes.select(lifetimes.start_seen)
@@ -52,6 +53,7 @@ def section(runs: Sequence[Run]) -> Section:
         "off into account). Dashed and dotted: the exponential and the inverse Gaussian that fit best.",
         tables=[*tables, *table_by_radius(runs)],
         missing=missing,
+        warnings=warnings,
     )  # fmt: skip
 
 

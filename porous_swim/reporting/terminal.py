@@ -25,6 +25,7 @@ MAIN = (
     ("msd", "final"),
     ("diffusivity", "effective"),
 )
+DOUBTFUL = "(!)"  # after a value that a line below says is not to be trusted
 _WIDE = 200  # characters where no terminal sets a width: lines are not broken
 
 
@@ -42,8 +43,19 @@ def print_report(report: Report) -> None:
             table.add_row(Text(name_of(path)), Text(_unit(report.runs[0], path)), *(Text(cell) for cell in cells))
     if table.row_count:
         console.print(table)
-    for warning in report.warnings:
+    for warning in (*report.warnings, *_doubts(report)):
         console.print(Text.assemble(("doubtful  ", "yellow"), warning), soft_wrap=not console.is_terminal)
+
+
+def _doubts(report: Report) -> list[str]:
+    """Of the statistics shown, what the report's warnings do not tell."""
+    told = " ".join(report.warnings)
+    return [
+        run.says(f"{name_of(path)}: {doubt}")
+        for path in MAIN
+        for run in report.runs
+        if (doubt := statistics(run.results.summary).get(path, {}).get("warning")) and doubt.split(". ")[0] not in told
+    ]
 
 
 def _unit(run: Run, path: tuple[str, ...]) -> str:
@@ -57,4 +69,5 @@ def _cell(run: Run, path: tuple[str, ...]) -> str:
         return NONE
     text = value_and_error(entry["value"], entry["standard_error"])
     second = physical(entry["value"], entry["standard_error"], entry["unit"], run.scales)
-    return f"{text} [{second}]" if second else text
+    text = f"{text} [{second}]" if second else text
+    return f"{text} {DOUBTFUL}" if entry.get("warning") else text

@@ -23,6 +23,8 @@ class Trapping:
     curve: tuple[np.ndarray, np.ndarray] | None
     """Times (n,), a/U, and probabilities (n,)."""
     sentence: str
+    doubts: tuple[str, ...] = ()
+    """Why the theory is not to be trusted here: what the curve is drawn with, and the top of the page."""
 
 
 def trapping(run: Run, passages: Lifetimes) -> Trapping:
@@ -43,7 +45,8 @@ def trapping(run: Run, passages: Lifetimes) -> Trapping:
     if np.isfinite(seen.value):
         ratio = value_and_error(seen.value, seen.standard_error)
         sentence += f" Passages seen over those that it expects (log-rank): {ratio}."
-    return Trapping((times, probability), sentence)
+    doubts = [f"Theory of trapping: {doubt}." for doubt in analysis.theory.trapping_doubts(alpha, radius, D_r, gamma)]
+    return Trapping((times, probability), " ".join([sentence, *doubts]), tuple(doubts))
 
 
 def _obstacle(run: Run) -> tuple[str, float]:
@@ -52,17 +55,28 @@ def _obstacle(run: Run) -> tuple[str, float]:
     if scene is None:
         return "The scene is not known, so no theory is shown.", 0.0
     alpha, gamma = scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio
-    if scene.hydrodynamics.kind == "none" or alpha <= 0.0:
-        return "The theory of trapping is for pushers; none is shown.", 0.0
+    if scene.hydrodynamics.kind == "none":
+        return (
+            "No theory is shown: the theory of trapping is of the flow that turns a swimmer towards a colloid, and "
+            "this run has none (hydrodynamics: none)."
+        ), 0.0
+    if alpha <= 0.0:
+        return (
+            f"No theory is shown: the theory of trapping is for pushers, and here the dipole strength is {alpha:.3g} "
+            f"({'a puller' if alpha < 0.0 else 'no dipole'})."
+        ), 0.0
     if scene.rotational_diffusion == 0.0:
-        return "The theory of trapping needs noise; none is shown.", 0.0
+        return "No theory is shown: without noise no swimmer leaves by chance, which the theory of trapping is of.", 0.0
     radii = np.unique(analysis.encounter_radii(run.encounters, run.results.colloids))
     if len(radii) > 1:
-        return "The theory of trapping is for colloids of one radius; none is shown.", 0.0
+        return (
+            "No theory is shown: the theory of trapping is for colloids of one radius, and swimmers met "
+            f"{len(radii):,} of them."
+        ), 0.0
     pitch = analysis.theory.escape_angle(alpha, aspect_ratio=gamma, order="leading")
     if pitch > SMALL_PITCH or radii[0] < LARGE_COLLOID * gamma:
         return (
-            f"The theory of trapping is for small pitch and large colloids; here the escape pitch is {pitch:.2g} rad "
-            f"and the radius {radii[0] / gamma:.3g} contact heights, so none is shown."
+            "No theory is shown: the theory of trapping is for small pitch and large colloids; here the escape pitch "
+            f"is {pitch:.2g} rad and the radius {radii[0] / gamma:.3g} contact heights."
         ), 0.0
     return "", float(radii[0])
