@@ -11,7 +11,7 @@ import taichi as ti
 
 from porous_swim.engine.rows import make_wide
 from porous_swim.engine.state import MIDDLE, Event, Int, LaneInt, Phase, real_rows
-from porous_swim.physics.bridge import NEAREST, crosses
+from porous_swim.physics.bridge import crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import pick
@@ -141,8 +141,7 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
     def crossings(f: ti.template(), rules: ti.template(), r0, e0, h, s):
         """Whether the path went above the escape height, and past the escape pitch, within the step."""
         R = to.distance(r0)
-        out = ti.max(R, real(NEAREST))
-        s0, bend = to.sine(r0, e0, out), to.bend(real(1.0), out)
+        s0, bend = to.sine(r0, e0, R), to.bend(real(1.0), R)
         kick, turn = f[rows.kick] * f[rows.kick], f[rows.turn] * f[rows.turn]
         left = crosses(rules.escape_height, R - f[rows.bound_A], h, kick, f[rows.height_excursion])
         variance = (turn + kick * bend * bend) * (real(1.0) - s0 * s0)
