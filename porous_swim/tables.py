@@ -34,18 +34,19 @@ ENCOUNTERS_SCHEMA = pa.schema(
         *_columns("swimmer colloid image_x image_y image_z", _INDEX),
         *_columns("start_time end_time", _REAL, "a/U"),
         *_columns("start_censored end_censored", _FLAG),
-        *_columns("contact_time", _REAL, "a/U"),
+        *_columns("contact_time", _REAL, "a/U"),  # by both ends of each step: of second order in it
         *_columns("wall_push", _REAL, "a"),
         *_columns("winding", _REAL, "turns"),  # 0 at a plane wall, around which nobody winds
         *_columns("signed_winding", _REAL, "turns", nullable=True),  # null in three dimensions
         *_columns("entry_x entry_y entry_z exit_x exit_y exit_z", _REAL, "a"),  # unwrapped
         *_columns("entry_ex entry_ey entry_ez exit_ex exit_ey exit_ez", _REAL),
         *_columns("entry_pitch exit_pitch", _REAL, "rad"),
+        # the last touch of the wall; between reflecting walls all three are of the middle of its step, of second order
         *_columns("release_time", _REAL, "a/U", nullable=True),
         *_columns("release_pitch", _REAL, "rad", nullable=True),
         *_columns("release_winding", _REAL, "turns", nullable=True),
         *_columns("escape_pitch_time", _REAL, "a/U", nullable=True),  # on the clock of start_time
-        *_columns("min_height mean_height max_height", _REAL, "a"),
+        *_columns("min_height mean_height max_height", _REAL, "a"),  # the mean by both ends of each step
     ]
 )
 TIMESERIES_SCHEMA = pa.schema(

@@ -112,3 +112,18 @@ def _statistics(node):
             yield node
         for value in node.values():
             yield from _statistics(value)
+
+
+def test_the_noise_of_takagi_is_that_of_a_cylinder_as_long_and_as_thick_as_its_rods():
+    # M. M. Tirado and J. Garcia de la Torre, J. Chem. Phys. 71, 2581 (1979) and 73, 1986 (1980), fits to 1 %
+    length, width, kT, viscosity, speed = 2.0, 0.3, 4.1e-3, 1e-3, 20.0  # um, pN um, pN s/um^2, um/s
+    p = length / width
+    along = (np.log(p) - 0.207 + 0.980 / p - 0.133 / p**2) / (2.0 * np.pi)
+    across = (np.log(p) + 0.839 + 0.185 / p + 0.233 / p**2) / (4.0 * np.pi)
+    D = kT / (viscosity * length) * (along + across) / 2.0  # over directions in the plane
+    D_r = 3.0 * kT * (np.log(p) - 0.662 + 0.917 / p - 0.050 / p**2) / (np.pi * viscosity * length**3)
+    a = length / 2.0
+    scene = ps.load_scene(next(path for path in SCENES if path.stem == "takagi"))
+    assert scene.swimmers.aspect_ratio == width / length
+    assert scene.translational_diffusion == pytest.approx(D / (a * speed), rel=2e-3)  # three digits
+    assert scene.rotational_diffusion == pytest.approx(D_r * a / speed, rel=2e-3)

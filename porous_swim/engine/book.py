@@ -11,7 +11,7 @@ import taichi as ti
 
 from porous_swim.engine.rows import make_wide
 from porous_swim.engine.state import MIDDLE, Event, Int, LaneInt, Phase, real_rows
-from porous_swim.physics.bridge import NEAREST, crosses
+from porous_swim.physics.bridge import crosses
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import pick
@@ -125,8 +125,8 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
             n[LaneInt.N_CONTACT] = n[LaneInt.N_CONTACT] + ti.select(on & low, 1, 0)
 
     @ti.func
-    def hold(f: ti.template(), n: ti.template(), at_wall, s):
-        """Note when and where the wall was last touched."""
+    def hold(f: ti.template(), n: ti.template(), at_wall, s, winding):
+        """Note when and where the wall was last touched: at which sine of the pitch, after which winding."""
         after = n[Int.STEP] + 1
         if ti.static(located):
             ends = f[rows.trial_clock] >= real(1.0)
@@ -135,18 +135,17 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
             f[rows.release_clock] = ti.select(at_wall, clock, f[rows.release_clock])
         n[LaneInt.RELEASE] = ti.select(at_wall, after, n[LaneInt.RELEASE])
         f[rows.release_sine] = ti.select(at_wall, s, f[rows.release_sine])
-        f[rows.release_winding] = ti.select(at_wall, f[rows.winding], f[rows.release_winding])
+        f[rows.release_winding] = ti.select(at_wall, winding, f[rows.release_winding])
 
     @ti.func
     def crossings(f: ti.template(), rules: ti.template(), r0, e0, h, s):
-        """Whether the path went above the escape height, and past the escape pitch, within the step."""
+        """Whether the path went above the escape height, and past the escape pitch, within the step; its first sine."""
         R = to.distance(r0)
-        out = ti.max(R, real(NEAREST))
-        s0, bend = to.sine(r0, e0, out), to.bend(real(1.0), out)
+        s0, bend = to.sine(r0, e0, R), to.bend(real(1.0), R)
         kick, turn = f[rows.kick] * f[rows.kick], f[rows.turn] * f[rows.turn]
         left = crosses(rules.escape_height, R - f[rows.bound_A], h, kick, f[rows.height_excursion])
         variance = (turn + kick * bend * bend) * (real(1.0) - s0 * s0)
-        return left, crosses(f[rows.escape_sine], s0, s, variance, f[rows.pitch_excursion])
+        return left, crosses(f[rows.escape_sine], s0, s, variance, f[rows.pitch_excursion]), s0
 
     @ti.func
     def press(f: ti.template(), bound, free, least):
@@ -157,8 +156,8 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
         f[rows.push] = ti.select(free, push, f[rows.push])
 
     @ti.func
-    def record(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, r0, r1, e0, h, s, left):
-        """Add the step to the record of the encounter under way."""
+    def record(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, r0, r1, e0, h, s0, s, left):
+        """Add the step to the record of the encounter under way; its sines are s0 and s."""
         along, angle = turns(r0, r1, e0)
         add(f, rows.winding, on, along)
         if ti.static(dimensions == 2):
@@ -170,10 +169,11 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
         low = above <= ti.max(rules.contact_band, rules.tolerance)
         weigh(f, n, on, h, low, left)
         rounding = above <= ti.min(rules.tolerance, rules.margin)
-        if ti.static(reflected):
-            hold(f, n, on & (rounding | (f[rows.trial_push] > real(0.0))), s)
+        if ti.static(reflected):  # in the middle of the step, as all that happens in it
+            touched = on & (rounding | (f[rows.trial_push] > real(0.0)))
+            hold(f, n, touched, real(0.5) * (s0 + s), f[rows.winding] + real(MIDDLE) * along)
         else:
-            hold(f, n, on & rounding, s)
+            hold(f, n, on & rounding, s, f[rows.winding])
 
     @ti.func
     def book(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
@@ -185,11 +185,11 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
         is_bound = n[LaneInt.PHASE] == int(Phase.BOUND)
         bound, free = on & is_bound, on & (not is_bound)
         h = R - f[rows.bound_A]
-        left, passed = h > rules.escape_height, s > f[rows.escape_sine]
+        left, passed, s0 = h > rules.escape_height, s > f[rows.escape_sine], s
         if ti.static(reflected):
-            crossed_height, crossed_pitch = crossings(f, rules, r0, e0, h, s)
+            crossed_height, crossed_pitch, s0 = crossings(f, rules, r0, e0, h, s)
             left, passed = left | crossed_height, passed | crossed_pitch
-        record(f, n, bound, rules, least, r0, r1, e0, h, s, left)
+        record(f, n, bound, rules, least, r0, r1, e0, h, s0, s, left)
         if ti.static(reflected):
             press(f, bound, free, least)
         touch = on & (n[LaneInt.TOUCH] != 0) & (n[LaneInt.WATCH_CONTACT] != 0)

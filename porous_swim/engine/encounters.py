@@ -167,8 +167,12 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
             f[rows.push][j] = push
             f[rows.min_height][j] = low
             f[rows.height][j] = -f[rows.clock][j] * h
-            in_band = h - least <= ti.max(rules.contact_band, rules.tolerance)
-            f[rows.contact_clock][j] = ti.select(in_band, -f[rows.clock][j], real(0.0))
+        if ti.static(
+            not located
+        ):  # both ends of each step count: half of the entry here, half less where it is cut off
+            band = ti.max(rules.contact_band, rules.tolerance)
+            at_entry = ti.select(low - least <= band, real(0.5), real(0.0))
+            f[rows.contact_clock][j] = at_entry + ti.select(h - least <= band, -f[rows.clock][j], real(0.0))
 
     return capture
 

@@ -17,6 +17,7 @@ from porous_swim.engine.laws import Laws, Numbers, flight_height
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.news import News, NewsDesk
+from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.records import Records
 from porous_swim.engine.settle import MAX_IMAGE
 from porous_swim.engine.state import Event, Int, Total
@@ -94,12 +95,15 @@ class Engine:
         self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
         self._margin = 4.0 * rounding * cells.longest
         self._medium = load_medium(cells, self._real)
-        self._load(position, director, laws, np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of)
+        law_of = np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of
+        self._load(position, director, laws, law_of)
         columns = log_columns(field.dimensions)
         shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
         self._log_rows = log_rows or max(LOG_ROWS, self.n_swimmers // SWIMMERS_TO_A_ROW)
         self._log = Log(*(on_device(np.zeros((self._log_rows, n), t)) for n, t in shapes))
-        self._records = Records(field, numbers.time_step, self.n_swimmers, log_path)
+        self._aspect_ratio = laws.aspect_ratio, law_of
+        in_contact = None if integrator == "located" else self._in_contact  # which integrates
+        self._records = Records(field, numbers.time_step, self.n_swimmers, log_path, in_contact=in_contact)
         self._desk = NewsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
         self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
 
@@ -166,6 +170,15 @@ class Engine:
     def close(self) -> None:
         """Forget what lies on disk."""
         self._records.close()
+
+    def _in_contact(self, swimmer: np.ndarray, height: np.ndarray, sine: np.ndarray, radius: np.ndarray) -> np.ndarray:
+        """Which swimmers, (m,) bool, are in the contact band at heights above colloids, sines of the pitch, radii."""
+        ratios, law_of = self._aspect_ratio
+        of_each, least = ratios[law_of[swimmer]], np.ones(len(swimmer))
+        for ratio in np.unique(of_each):
+            rows = of_each == ratio
+            least[rows] = height_at_sine(sine[rows], radius[rows], aspect_ratio=float(ratio))
+        return height <= least + max(self._numbers.contact_band, self.tolerance)
 
     def _compile(
         self, hydrodynamics: type, variates: str | None, precision: str, integrator: str, shape: Shape

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +17,22 @@ CLOCK = {step: name for name, step in CLOCKS.items()} | {
 }  # fmt: skip
 
 
-class Records:
-    """Collects log rows in any order; the table does not depend on the order. With a `path` most wait on disk."""
+# (swimmers, heights, sines of the pitch, radii), all (m,) -> which of these are in the contact band, (m,) bool
+InContact = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
-    def __init__(self, field: ObstacleField, time_step: float, n_swimmers: int, path: Path | None = None) -> None:
-        self._field, self._time_step = field, time_step
+
+class Records:
+    """Collects log rows in any order; the table does not depend on the order. With a `path` most wait on disk.
+
+    `in_contact` is for rows that were summed at the ends of steps: what they lack to the mean of both ends of each step
+    is half of what the entry has, less half of what the exit has. Left out, sums are integrals over time already.
+    """
+
+    def __init__(
+        self, field: ObstacleField, time_step: float, n_swimmers: int, path: Path | None = None, *,
+        in_contact: InContact | None = None,
+    ) -> None:  # fmt: skip
+        self._field, self._time_step, self._in_contact = field, time_step, in_contact
         self._columns = log_columns(field.dimensions)
         self._store = RowStore(n_swimmers, path)
 
@@ -70,14 +81,20 @@ class Records:
         time = {step: np.where(long[:, step] >= 0, steps[step] * self._time_step, np.nan) for step in LogLong}
         n_steps = steps[LogLong.END] - steps[LogLong.START]
         center = self._field.centers[integer[:, LogInt.COLLOID]] + integer[:, LogInt.IMAGE :] * self._field.box
+        entry, entry_height = self._end("entry", real, integer[:, LogInt.COLLOID], center)
+        exit_, exit_height = self._end("exit", real, integer[:, LogInt.COLLOID], center)
+        height, contact = real[:, c.height], time[LogLong.N_CONTACT]
+        if self._in_contact is not None:
+            height = height + 0.5 * (entry_height - exit_height)
+            contact = contact - 0.5 * self._time_step * self._stays(integer, exit_height, exit_["exit_pitch"], censored)
         released = np.where(long[:, LogLong.RELEASE] >= 0, 1.0, np.nan)
         # before the first step of an encounter has been booked its mean height is that of its entry
-        mean = np.where(n_steps > 0, real[:, c.height] / np.where(n_steps > 0, n_steps, 1), real[:, c.min_height])
+        mean = np.where(n_steps > 0, height / np.where(n_steps > 0, n_steps, 1), real[:, c.min_height])
         columns = dict(
             swimmer=integer[:, LogInt.SWIMMER], colloid=integer[:, LogInt.COLLOID],
             start_time=time[LogLong.START], end_time=time[LogLong.END],
             start_censored=np.zeros(len(long), bool), end_censored=censored,
-            contact_time=time[LogLong.N_CONTACT], wall_push=real[:, c.push],
+            contact_time=contact, wall_push=real[:, c.push],
             winding=real[:, c.winding], signed_winding=real[:, c.signed] if d == 2 else np.full(len(long), np.nan),
             release_time=time[LogLong.RELEASE],
             release_pitch=np.arcsin(np.clip(real[:, c.release_sine], -1, 1)) * released,
@@ -86,21 +103,29 @@ class Records:
         )  # fmt: skip
         for axis, name in enumerate("xyz"):
             columns[f"image_{name}"] = integer[:, LogInt.IMAGE + axis]
-        for end in ("entry", "exit"):
-            columns |= self._end(end, real, integer[:, LogInt.COLLOID], center)
-        return columns
+        return columns | entry | exit_
 
-    def _end(self, end: str, real: np.ndarray, colloid: np.ndarray, center: np.ndarray) -> dict[str, np.ndarray]:
-        """Position, director and pitch at the `entry` or the `exit`."""
+    def _stays(self, integer: np.ndarray, height: np.ndarray, pitch: np.ndarray, censored: np.ndarray) -> np.ndarray:
+        """Which encounters, (n,) bool, are cut off in contact; one that has ended is out of it."""
+        assert self._in_contact is not None
+        stays, who = np.zeros(len(integer), bool), np.flatnonzero(censored)
+        radius = self._field.radii[integer[who, LogInt.COLLOID]]
+        stays[who] = self._in_contact(integer[who, LogInt.SWIMMER], height[who], np.sin(pitch[who]), radius)
+        return stays
+
+    def _end(
+        self, end: str, real: np.ndarray, colloid: np.ndarray, center: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Columns of position, director and pitch at the `entry` or the `exit`, and the height there."""
         d = self._field.dimensions
         x, e = np.zeros_like(center), np.zeros_like(center)
         first_x, first_e = getattr(self._columns, f"{end}_x"), getattr(self._columns, f"{end}_e")
         x[:, :d], e[:, :d] = real[:, first_x : first_x + d], real[:, first_e : first_e + d]
         x, e = self._field.from_device(x), self._field.from_device(e)
-        _, sine = self._field.stance(x, e, colloid)
+        height, sine = self._field.stance(x, e, colloid)
         pitch = np.arcsin(np.clip(sine, -1.0, 1.0))
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]
-        return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True))
+        return dict(zip(names, [*(center + x).T, *e.T, pitch], strict=True)), height
 
     def _pass_late(
         self, integer: np.ndarray, long: np.ndarray, real: np.ndarray,

@@ -7,8 +7,6 @@ Source: Lepingle, Math. Comput. Simul. 38, 119 (1995).
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 import taichi as ti
 
-NEAREST = 1e-6  # a, of a distance to divide by: a free swimmer may stand where distances are measured from
-
 
 @ti.func
 def reflection(g0, g1, variance, excursion):

@@ -118,7 +118,8 @@ class NearWall(Part):
             k = real(0.375) * alpha / (h * h)
             velocity = (n * (real(3.0) * q - real(1.0)) + (e - n * s) * (real(2.0) * s)) * k
             turn = real(1.0) / A - (real(1.0) + real(2.0) * k * s) / R
-            turn -= k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
+            # not `-=`: Taichi cannot take a wide value from another in place, and LLVM then ends the process
+            turn = turn - k / h * (real(1.0) + real(0.5) * Gamma * (real(1.0) + q)) * s
             return velocity, (n - e * s) * turn
 
         return drift

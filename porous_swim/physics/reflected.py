@@ -11,7 +11,7 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.physics.bridge import NEAREST, reflection
+from porous_swim.physics.bridge import reflection
 from porous_swim.physics.noise import make_draw, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import Surface, make_surface
@@ -60,17 +60,15 @@ def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope
         """Where a swimmer is at the end by the first drift; contact heights along their tangent, never below gamma."""
         e1, x1 = turned(e, de), x + dx
         R = to.distance(x1)
-        out = ti.max(R, real(NEAREST))
-        wall = ti.max(least + slope * (to.sine(x1, e1, out) - s0), gamma)
-        return x1 + to.along(x1, out, reflection(gap0, rounded(R - A - wall), variance, deep)), e1
+        wall = ti.max(least + slope * (to.sine(x1, e1, R) - s0), gamma)
+        return x1 + to.along(x1, R, reflection(gap0, rounded(R - A - wall), variance, deep)), e1
 
     @ti.func
     def move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1):
         g, deep, aside = draw(swimmer, step_low, step_high, k0, k1)
         kick, wobble = rounded(moves(g) * law[2]), rounded(turns(g) * law[3])
         R = to.distance(x)
-        out = ti.max(R, real(NEAREST))
-        s, bend = to.sine(x, e, out), to.bend(real(1.0), out)
+        s, bend = to.sine(x, e, R), to.bend(real(1.0), R)
         least, slope = height_and_slope(s, gamma, A)
         gap = rounded(R - A - least)
         tilt = slope * slope * (real(1.0) - s * s)

@@ -13,6 +13,7 @@ from typing import Literal
 import taichi as ti
 
 Surface = Literal["sphere", "plane"]
+NEAREST = 1e-6  # a, the least distance from the centre of a sphere: a free swimmer may stand where it is measured from
 
 
 @cache
@@ -23,13 +24,13 @@ def make_surface(real, surface: Surface) -> SimpleNamespace:
     length)` a vector of that length along it, `at(x, R, distance)` the point at a distance on the normal through x,
     `bend(v, R)` the rate at which the normal turns under a motion with speed v along the surface.
     """
-    return _sphere() if surface == "sphere" else _plane(real)
+    return _sphere(real) if surface == "sphere" else _plane(real)
 
 
-def _sphere() -> SimpleNamespace:
+def _sphere(real) -> SimpleNamespace:
     @ti.func
     def distance(x):
-        return ti.sqrt(x.dot(x))
+        return ti.sqrt(ti.max(x.dot(x), real(NEAREST**2)))  # all others divide by it
 
     @ti.func
     def normal(x, R):
