@@ -13,9 +13,11 @@ import numpy as np
 from pydantic import Field
 
 from porous_swim.columns import read_columns
-from porous_swim.obstacles.domain import Domain
+from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.parts import (
+    FARTHEST,
+    LONGEST,
     ContactHeight,
     Direction,
     KeyedError,
@@ -125,7 +127,7 @@ class Beam(Part):
     """Centre of the disc."""
     director: Direction
     """Where all swimmers point; any length."""
-    width: Annotated[Length, Field(ge=0.0)]
+    width: Annotated[Length, Field(ge=0.0, le=LONGEST)]
     """Diameter of the disc, length of the segment."""
 
     def check(self, domain: Domain) -> None:
@@ -161,9 +163,9 @@ class Parallel(Part):
     """Starts uniform around one colloid (over one point of a wall) at one height, directors along it, else random."""
 
     kind: Literal["parallel"]
-    height: Annotated[Length, Field(gt=0.0)]
+    height: Annotated[Length, Field(gt=0.0, le=FARTHEST)]
     """Height of the swimmers' centres above the surface."""
-    colloid: Annotated[Whole, Field(ge=0)] = 0
+    colloid: Annotated[Whole, Field(ge=0, le=MOST_COLLOIDS)] = 0
     """Which colloid, counted from 0."""
 
     def check(self, domain: Domain) -> None:

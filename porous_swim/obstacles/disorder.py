@@ -13,9 +13,9 @@ from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField, bulk
 from porous_swim.obstacles.insertion import insert
 from porous_swim.obstacles.overlaps import checked_field
-from porous_swim.parts import KeyedError, Length, Part, Radii, Whole
+from porous_swim.parts import FARTHEST, KeyedError, Length, Part, Radii, Whole
 
-Fractions = Annotated[tuple[Annotated[float, Field(gt=0.0)], ...], Field(min_length=1)]
+Fractions = Annotated[tuple[Annotated[float, Field(ge=1e-9, le=1e9)], ...], Field(min_length=1)]
 
 
 class Disorder(Part):
@@ -27,9 +27,9 @@ class Disorder(Part):
     """Share of the colloids that has each radius; they are scaled to a sum of 1. Left out: equal shares."""
     count: Annotated[Whole, Field(gt=0, le=MOST_COLLOIDS)] | None = None
     """Number of colloids."""
-    packing_fraction: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    packing_fraction: Annotated[float, Field(ge=1e-12, lt=1.0)] | None = None
     """Share of the volume (area in 2-D) in colloids; with `domain.size` as near as a whole count comes."""
-    min_gap: Annotated[Length, Field(ge=0.0)] = 0.0
+    min_gap: Annotated[Length, Field(ge=0.0, le=FARTHEST)] = 0.0
     """Least distance between two surfaces. A swimming sphere passes where it is 2 or more."""
 
     def check(self, domain: Domain) -> None:
