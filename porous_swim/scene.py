@@ -13,6 +13,7 @@ from porous_swim.document import Document, KeyPath, frozen, plain, read_document
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.layouts import OPEN_BY_DEFAULT, Layout
+from porous_swim.obstacles.reach import check_reach
 from porous_swim.parts import UNITS_UNKNOWN, ContactHeight, KeyedError, Part, SeveralKeyedError
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
@@ -89,7 +90,9 @@ class Scene(Part):
     def place_obstacles(self) -> ObstacleField:
         """Return the colloids, a function of the layout, the domain and `run.seed` alone."""
         try:
-            return self.obstacles.place(self.domain, generator(self.run.seed, Stream.PLACEMENT), self._folder)
+            field = self.obstacles.place(self.domain, generator(self.run.seed, Stream.PLACEMENT), self._folder)
+            check_reach(field, self.encounter.escape_height)
+            return field
         except KeyedError as error:
             raise self._placed(error) from None
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import NO_END, SCENES, SMALL, environment, porous_swim, small_scene, start
+from commands import NO_END, SCENES, environment, porous_swim, small_scene, start
 from rerun.chunk import RrdReader
 
 import porous_swim as ps
