@@ -17,7 +17,7 @@ from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
 from porous_swim.interrupts import fatal
-from porous_swim.printing import silence
+from porous_swim.printing import printable, silence
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -79,7 +79,7 @@ def _reader_gone() -> NoReturn:
 
 
 def _leave(error: PorousSwimError | str, status: int) -> NoReturn:
-    print(error, file=sys.stderr)
+    print(printable(str(error)), file=sys.stderr)
     sys.exit(status)
 
 
@@ -283,6 +283,7 @@ def _print_summary(summary: dict[str, Any]) -> None:
 def _print_rows(rows: list[tuple[str, str]]) -> None:
     """Two columns; on a terminal long texts are wrapped inside theirs."""
     console = Console(highlight=False)
+    rows = [(label, printable(text)) for label, text in rows]
     if not console.is_terminal:
         width = max((len(label) for label, _ in rows), default=0)
         for label, text in rows:

@@ -6,7 +6,7 @@ Anchors, aliases, merge keys and tags are refused: a scene says everything where
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,9 @@ from porous_swim.yaml_core import SCALARS, TAG, compose
 
 KeyPath = tuple[str | int, ...]
 Mark = tuple[int, int]  # line and column, from 1
+UNREAD: Any = object()  # in place of a value that could not be read
+_MOST_LINES = 10  # of one error
+_MOST_BYTES = 1_000_000  # of a scene: lists of ten thousand radii take a tenth of it
 
 
 @dataclass(frozen=True)
@@ -33,13 +36,24 @@ class Document:
     keys: dict[KeyPath, Mark] = field(default_factory=dict)
     values: dict[KeyPath, Mark] = field(default_factory=dict)
     replaced: frozenset[KeyPath] = frozenset()  # given from outside the file: no place in it
+    faults: list[tuple[Mark, str]] = field(default_factory=list)  # lines on what is wrong as YAML, by place
 
     def error(self, path: KeyPath, sentence: str, *, on_key: bool = False) -> SceneError:
         """Return the `SceneError` for `path`, placed at its value (or its key), else at what encloses it."""
+        return SceneError(self.line(path, sentence, on_key=on_key))
+
+    def line(self, path: KeyPath, sentence: str, *, on_key: bool = False) -> str:
+        """Return the message of that error: `file:line:column: key: sentence`."""
         place = self.place(path, on_key=on_key)
         key = dotted(path)
         where = f"{self.file}:{place[0]}:{place[1]}: " if place else ""
-        return SceneError(one_line(f"{where}{key}: {sentence}" if key else f"{where}{sentence}"))
+        return one_line(f"{where}{key}: {sentence}" if key else f"{where}{sentence}")
+
+    def together(self, lines: Sequence[str], *, n_more: int = 0) -> SceneError:
+        """Return one error of several lines, at most ten, the first ones, and the number of the others."""
+        n_more += max(len(lines) - _MOST_LINES, 0)
+        more = [f"and {n_more:,} more to mend"] if n_more else []
+        return SceneError("\n".join([*lines[:_MOST_LINES], *more]))
 
     def place(self, path: KeyPath, *, on_key: bool = False) -> Mark | None:
         """Return line and column of `path`, or None where it came from outside the file."""
@@ -69,12 +83,22 @@ class Document:
 
 
 def read_document(path: Path | str) -> Document:
-    """Read a YAML file whose top is a map of keys; every error is a `SceneError` of one line."""
-    return parse_document(_read_text(Path(path)), file=str(path))
+    """Read a YAML file whose top is a map of keys; a file that is none is a `SceneError` of one line.
+
+    What is wrong at single keys is left in `faults`, to be told together with what else is wrong.
+    """
+    return _parsed(_read_text(Path(path)), file=str(path))
 
 
 def parse_document(text: str, *, file: str) -> Document:
-    """Parse YAML text; `file` is what errors call it."""
+    """Parse YAML text; `file` is what errors call it. Every fault is a `SceneError`."""
+    document = _parsed(text, file=file)
+    if document.faults:
+        raise document.together([line for _, line in document.faults])
+    return document
+
+
+def _parsed(text: str, *, file: str) -> Document:
     try:
         node = compose(text)
     except ReaderError as error:
@@ -102,6 +126,12 @@ def dotted(path: KeyPath) -> str:
     """Return ("obstacles", "cells", 0) as `obstacles.cells[0]`."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return text.removeprefix(".")
+
+
+def key_path(key: str) -> KeyPath:
+    """Return `obstacles.cells[0]` as ("obstacles", "cells", 0)."""
+    parts = key.replace("[", ".").replace("]", "").split(".")
+    return tuple(int(part) if part.isdigit() else part for part in parts)
 
 
 def one_line(text: str) -> str:
@@ -134,7 +164,9 @@ def frozen(value: Any) -> Any:
 
 def _read_text(path: Path) -> str:
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+        text = content.decode("utf-8-sig") if len(content) <= _MOST_BYTES else None
     except FileNotFoundError:
         raise SceneError(f"{path}: there is no such file") from None
     except IsADirectoryError:
@@ -146,6 +178,11 @@ def _read_text(path: Path) -> str:
         raise SceneError(f"{path}:{line}:{column}: the file is not UTF-8 text, {found}") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         raise SceneError(one_line(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}")) from None
+    if text is None:
+        most = f"expected at most {_MOST_BYTES / 1e6:g} MB"
+        instead = "put long tables of colloids or swimmers into files of their own (layout or release: file)"
+        raise SceneError(f"{path}: the file is too large for a scene: {most}; {instead}")
+    return text
 
 
 def _position(text: str, index: int) -> Mark:
@@ -183,28 +220,33 @@ def _convert(node: Node, path: KeyPath, document: Document) -> Any:
         return _convert_map(node, path, document)
     if isinstance(node, SequenceNode) and name == "seq":
         return [_convert(item, (*path, i), document) for i, item in enumerate(node.value)]
+    fault = f"the tag {node.tag[:40]!r} is not supported; write plain numbers, words, lists and maps"
     if isinstance(node, ScalarNode) and name in SCALARS:
         try:
             return SCALARS[name](node.value)
         except (ValueError, KeyError):
-            raise document.error(path, f"{node.value[:40]!r} cannot be read as {name}") from None
-    raise document.error(path, f"the tag {node.tag!r} is not supported; write plain numbers, words, lists and maps")
+            fault = f"{node.value[:40]!r} cannot be read as {name}"
+    document.faults.append((_mark(node), document.line(path, fault)))
+    return UNREAD
 
 
 def _convert_map(node: MappingNode, path: KeyPath, document: Document) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for key_node, value_node in node.value:
         line, column = _mark(key_node)
-        key: Hashable = key_node.value if isinstance(key_node, ScalarNode) else None
         where = f"{document.file}:{line}:{column}: "
-        if not isinstance(key, str) or key_node.tag != TAG + "str":
-            found = repr(key) if isinstance(key, str) else _kind(key_node)
+        if not isinstance(key_node, ScalarNode) or key_node.tag != TAG + "str":
+            found = repr(key_node.value[:40]) if isinstance(key_node, ScalarNode) else _kind(key_node)
             inside = f"{dotted(path)}: " if path else ""
-            raise SceneError(one_line(f"{where}{inside}a key must be a word, found {found}"))
-        inner = (*path, key)
-        if key in result:
+            fault = f"{where}{inside}a key must be a word, found {found}"
+            document.faults.append(((line, column), one_line(fault)))
+            continue
+        inner = (*path, key_node.value)
+        if key_node.value in result:
             first = document.keys[inner]
-            raise SceneError(one_line(f"{where}{dotted(inner)}: duplicate key, first given at {first[0]}:{first[1]}"))
+            fault = f"{where}{dotted(inner)}: duplicate key, first given at {first[0]}:{first[1]}"
+            document.faults.append(((line, column), one_line(fault)))
+            continue
         document.keys[inner] = (line, column)
-        result[key] = _convert(value_node, inner, document)
+        result[key_node.value] = _convert(value_node, inner, document)
     return result

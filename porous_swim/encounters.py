@@ -6,7 +6,7 @@ Most statistics are sums over swimmers, which can be had part by part; others ne
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,6 +38,8 @@ class Encounters:
     source: pa.Table | Path
     schema: pa.Schema
     n: int
+    check: Callable[[pa.Table], None] | None = None
+    """What looks at each part of a file that is read: a `ResultsError` where no run writes such rows."""
 
     @classmethod
     def in_memory(cls, table: pa.Table) -> Encounters:
@@ -84,7 +86,12 @@ class Encounters:
 
     def table(self) -> pa.Table:
         """All of them in memory, some 260 bytes each."""
-        return self.source if isinstance(self.source, pa.Table) else read_table(self.source, ENCOUNTERS_SCHEMA)
+        if isinstance(self.source, pa.Table):
+            return self.source
+        table = read_table(self.source, ENCOUNTERS_SCHEMA)
+        if self.check is not None:
+            self.check(table)
+        return table
 
     def parts(self, *columns: str) -> Iterator[pa.Table]:
         """Tables of consecutive swimmers, with all encounters of each: of these columns at least, by default all.
@@ -105,6 +112,8 @@ class Encounters:
                     group = pa.concat_tables([held, file.read_row_group(number, columns=names)])
                 except (OSError, pa.ArrowException) as error:
                     raise damaged(self.source, error) from error
+                if self.check is not None:
+                    self.check(group)
                 swimmer = group.column("swimmer").to_numpy()
                 if np.any(swimmer[1:] < swimmer[:-1]):
                     raise ResultsError(f"{self.source}: the rows are not in order of swimmers")

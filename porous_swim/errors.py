@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from porous_swim.printing import printable
+
 
 class PorousSwimError(Exception):
-    """Base of every error that porous_swim raises on purpose."""
+    """Base of every error that porous_swim raises on purpose. Its message can be shown anywhere."""
+
+    def __init__(self, message: object = "") -> None:
+        """Keep the message without the control characters that names and values of the user may have brought."""
+        super().__init__(printable(str(message)))
 
 
 class SceneError(PorousSwimError, ValueError):

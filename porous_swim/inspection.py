@@ -9,24 +9,24 @@ import numpy as np
 from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
 from porous_swim.engine.lags import n_levels
-from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.state import Long, n_ints, real_rows
 from porous_swim.observers.recording import recording_size
+from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
 from porous_swim.scales import Scales
 from porous_swim.scene import Scene
+from porous_swim.simulation import Start
 from porous_swim.units import UnitSystem
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
     """(label, text) for each thing worth knowing before the run; the last ones are warnings.
 
-    Colloids and swimmers are placed, so SceneError where they do not fit, as in the run itself.
+    All is done that a run does before its first step, so that it raises the same SceneError or DeviceError.
     """
-    gamma = scene.swimmers.aspect_ratio
-    field = scene.place_obstacles()
-    scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma))
+    field = Start.of(scene).field
+    build_cells(field, reach=scene.encounter.escape_height)
     rows = [("scene", f"{scene.name} ({scene.scene_id})")]
     if scene.description:
         rows.append(("", scene.description))

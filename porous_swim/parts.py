@@ -7,12 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, LiteralString, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from porous_swim.errors import SceneError
+
+# What a number may be, generously: a swimmer is between some nanometres and a millimetre long, and neither its box nor
+# its way is longer than a metre. Within these bounds no square or fourth power of a length leaves the floating range.
+LONGEST = 1e9  # a
+LEAST_RADIUS, LARGEST_RADIUS = 1e-3, 1e6  # a; of a colloid: from a molecule to a wall
+FARTHEST = 1e6  # a; heights above a colloid, gaps between two
+LEAST_TIME, LONGEST_TIME = 1e-9, 1e9  # a/U; less than the time between two collisions of molecules, and decades
+
+
+UNITS_UNKNOWN: LiteralString = "units_unknown"  # in place of units that are wrong; the type of pydantic's error for it
 
 
 class Part(BaseModel):
@@ -36,6 +47,33 @@ class KeyedError(SceneError):
         return type(self), (self.key, self.sentence)
 
 
+class SeveralKeyedError(SceneError):
+    """Several of them at once."""
+
+    def __init__(self, errors: Sequence[KeyedError]):
+        """Keep them in their order."""
+        super().__init__("\n".join(str(error) for error in errors))
+        self.errors = tuple(errors)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by what it holds."""
+        return type(self), (self.errors,)
+
+
+def check_all(*checks: Callable[[], object]) -> None:
+    """Make all `checks`, none of which needs another to pass; raise one `SeveralKeyedError` for those that fail."""
+    found: list[KeyedError] = []
+    for check in checks:
+        try:
+            check()
+        except KeyedError as error:
+            found.append(error)
+        except SeveralKeyedError as several:
+            found += several.errors
+    if found:
+        raise found[0] if len(found) == 1 else SeveralKeyedError(found)
+
+
 @dataclass(frozen=True)
 class Unit:
     """Marks a number that carries a unit; `symbol` is that unit in a and U."""
@@ -51,6 +89,8 @@ def _reader(unit: Unit) -> BeforeValidator:
         if not isinstance(value, str):
             return value
         units = (info.context or {}).get("units")
+        if units == UNITS_UNKNOWN:
+            raise PydanticCustomError(UNITS_UNKNOWN, "the units section is wrong")
         if units is None:
             raise ValueError(f"expected a number in {unit.symbol} (strings need a `units` section), found {value!r}")
         return units.number(value, unit.dimension)
@@ -80,9 +120,10 @@ def _many(value: Any) -> Any:
 
 
 Whole = Annotated[int, BeforeValidator(_whole)]
-Point = Annotated[tuple[Length, ...], Field(min_length=2, max_length=3)]
-Direction = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
-Radius = Annotated[float, _LENGTH, _reader(_LENGTH), Field(gt=0.0)]
+Coordinate = Annotated[Length, Field(ge=-LONGEST, le=LONGEST)]
+Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+Direction = Annotated[tuple[Annotated[float, Field(ge=-1e9, le=1e9)], ...], Field(min_length=2, max_length=3)]
+Radius = Annotated[float, _LENGTH, _reader(_LENGTH), Field(ge=LEAST_RADIUS, le=LARGEST_RADIUS)]
 Radii = Annotated[
     tuple[Radius, ...],
     Field(min_length=1),

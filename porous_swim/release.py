@@ -13,9 +13,11 @@ import numpy as np
 from pydantic import Field
 
 from porous_swim.columns import read_columns
-from porous_swim.obstacles.domain import Domain
+from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.parts import (
+    FARTHEST,
+    LONGEST,
     ContactHeight,
     Direction,
     KeyedError,
@@ -32,6 +34,8 @@ _KEY = "swimmers.release"
 _BLOCK = 1024  # swimmers that share a stream of trial places
 _LEAST_SHARE = 1e-4  # of the trials; below that the field has no room worth the name
 _ENOUGH_TRIES = 100_000  # to tell a share of 1e-4 from none: 10 expected
+_AT_ONCE, _MOST_AT_ONCE = 4096, 64  # trials looked at together, and rounds of them
+_MOST_TRIES, _MOST_TRIES_EACH = 4_000_000, 100  # of all swimmers, or of each if that is more: half a minute for 10^4
 
 
 class Uniform(Part):
@@ -55,26 +59,41 @@ class Uniform(Part):
     ) -> Swimmers:
         """Return `count` swimmers; a `KeyedError` when fewer than 1 in 10^4 trials fit."""
         blocks = rng.spawn(-(-count // _BLOCK))
-        placed = [self._block(field, stream, contact_height) for stream in blocks]
+        placed, left = [], max(_MOST_TRIES, _MOST_TRIES_EACH * count)
+        for stream in blocks:
+            block, tries = self._block(field, stream, contact_height, most=left)
+            placed.append(block)
+            left -= tries
         position = np.concatenate([block.position for block in placed])[:count]
         director = np.concatenate([block.director for block in placed])[:count]
         return Swimmers(position, director)
 
-    def _block(self, field: ObstacleField, rng: np.random.Generator, contact_height: ContactHeight) -> Swimmers:
+    def _block(
+        self, field: ObstacleField, rng: np.random.Generator, contact_height: ContactHeight, *, most: int
+    ) -> tuple[Swimmers, int]:
+        """Place one block; return it with the number of trials that it took, not many more than `most`."""
         director = random_directors(rng, _BLOCK, field.dimensions)
         position = np.zeros((_BLOCK, 3))
         pending, tries = np.arange(_BLOCK), 0
         while len(pending):
-            tries += len(pending)
-            trial = rng.random((_BLOCK, 3)) * field.box  # drawn for all, so that swimmers do not mix
-            good = fits(trial[pending], director[pending], field=field, contact_height=contact_height)
-            position[pending[good]] = trial[pending[good]]
-            pending = pending[~good]
+            # the fewer are left the more rounds at once; each draws for all, so that swimmers do not mix
+            k = min(max(_AT_ONCE // len(pending), 1), _MOST_AT_ONCE)
+            if tries > most:
+                found = f"{_BLOCK - len(pending)} of {tries:,} trials kept clear of the colloids"
+                raise KeyedError(_KEY, f"swimmers hardly fit: {found}; give more room, or a release from a file")
+            trial = (rng.random((k, _BLOCK, 3)) * field.box)[:, pending]
+            good = fits(
+                trial.reshape(-1, 3), np.tile(director[pending], (k, 1)), field=field, contact_height=contact_height
+            ).reshape(k, len(pending))
+            first, found_room = good.argmax(axis=0), good.any(axis=0)
+            tries += int(np.where(found_room, first + 1, k).sum())
+            position[pending[found_room]] = trial[first, np.arange(len(pending))][found_room]
+            pending = pending[~found_room]
             if tries >= _ENOUGH_TRIES and _BLOCK - len(pending) < _LEAST_SHARE * tries:
                 found = f"{_BLOCK - len(pending)} of {tries} trials kept clear of the colloids"
                 least = f"expected at least 1 in {1.0 / _LEAST_SHARE:g}"
                 raise KeyedError(_KEY, f"swimmers do not fit: {found}, {least}")
-        return Swimmers(position, director)
+        return Swimmers(position, director), tries
 
 
 class PointRelease(Part):
@@ -125,7 +144,7 @@ class Beam(Part):
     """Centre of the disc."""
     director: Direction
     """Where all swimmers point; any length."""
-    width: Annotated[Length, Field(ge=0.0)]
+    width: Annotated[Length, Field(ge=0.0, le=LONGEST)]
     """Diameter of the disc, length of the segment."""
 
     def check(self, domain: Domain) -> None:
@@ -161,9 +180,9 @@ class Parallel(Part):
     """Starts uniform around one colloid (over one point of a wall) at one height, directors along it, else random."""
 
     kind: Literal["parallel"]
-    height: Annotated[Length, Field(gt=0.0)]
+    height: Annotated[Length, Field(gt=0.0, le=FARTHEST)]
     """Height of the swimmers' centres above the surface."""
-    colloid: Annotated[Whole, Field(ge=0)] = 0
+    colloid: Annotated[Whole, Field(ge=0, le=MOST_COLLOIDS)] = 0
     """Which colloid, counted from 0."""
 
     def check(self, domain: Domain) -> None:

@@ -19,6 +19,7 @@ import pyarrow as pa
 
 from porous_swim.encounters import ENCOUNTERS, ROWS, Encounters
 from porous_swim.errors import ResultsError
+from porous_swim.results_check import checked
 from porous_swim.tables import PART, SCHEMAS, TableInfo, read_table, write_table
 
 SUMMARY = "summary.json"
@@ -77,7 +78,7 @@ def load_results(folder: Path | str) -> Results:
         info = TableInfo.of(stored)
     except ResultsError as error:
         raise ResultsError(f"{folder / ENCOUNTERS}: {error}") from error
-    return Results(stored, **tables, summary=summary, folder=folder, info=info)
+    return checked(Results(stored, **tables, summary=summary, folder=folder, info=info), folder)
 
 
 def _read_summary(path: Path) -> dict[str, Any]:
@@ -87,7 +88,7 @@ def _read_summary(path: Path) -> dict[str, Any]:
         raise ResultsError(
             f"{path.parent}: no {SUMMARY}, which a run writes last, so this is no run folder or its run died"
         ) from error
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ResultsError(f"{path}: cannot be read as JSON ({error})") from error
     if not isinstance(summary, dict):
         raise ResultsError(f"{path}: found a {type(summary).__name__} where a map belongs")

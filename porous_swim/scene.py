@@ -13,16 +13,18 @@ from porous_swim.document import Document, KeyPath, frozen, plain, read_document
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.layouts import OPEN_BY_DEFAULT, Layout
-from porous_swim.parts import ContactHeight, KeyedError, Part
+from porous_swim.obstacles.reach import check_reach
+from porous_swim.parts import UNITS_UNKNOWN, ContactHeight, KeyedError, Part, SeveralKeyedError
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
 from porous_swim.physics.noise import Brownian, NoNoise
 from porous_swim.physics.perrin import spheroid_diffusion
-from porous_swim.scene_errors import scene_error
+from porous_swim.scene_checks import disagreements
+from porous_swim.scene_errors import faults_of, keyed_fault, scene_error, sound_part
 from porous_swim.scene_identity import resolved, save, scene_hash
 from porous_swim.scene_warnings import warnings_of
-from porous_swim.sections import Population, Record, Run, check_flights, check_whole_steps
+from porous_swim.sections import Population, Record, Run
 from porous_swim.streams import Stream, generator
 from porous_swim.swarm import Swimmers
 from porous_swim.units import Units, UnitSystem
@@ -88,7 +90,9 @@ class Scene(Part):
     def place_obstacles(self) -> ObstacleField:
         """Return the colloids, a function of the layout, the domain and `medium_seed` alone."""
         try:
-            return self.obstacles.place(self.domain, generator(self.medium_seed, Stream.PLACEMENT), self._folder)
+            field = self.obstacles.place(self.domain, generator(self.medium_seed, Stream.PLACEMENT), self._folder)
+            check_reach(field, self.encounter.escape_height)
+            return field
         except KeyedError as error:
             raise self._placed(error) from None
 
@@ -120,7 +124,8 @@ class Scene(Part):
     @property
     def files(self) -> dict[str, Path]:
         """The files that the scene names, by dotted key."""
-        parts = {"obstacles": self.obstacles, "swimmers.release": self.swimmers.release}
+        swimmers = getattr(self, "swimmers", None)  # a scene in which something is wrong may lack a section
+        parts = {"obstacles": getattr(self, "obstacles", None), "swimmers.release": getattr(swimmers, "release", None)}
         paths = {f"{key}.path": getattr(part, "path", None) for key, part in parts.items()}
         return {key: self._folder / path for key, path in paths.items() if path is not None}
 
@@ -209,11 +214,7 @@ class Scene(Part):
     @model_validator(mode="before")
     @classmethod
     def _boundary_follows_the_layout(cls, data: Any) -> Any:
-        obstacles, domain = (data.get(key, {}) for key in ("obstacles", "domain"))
-        if not isinstance(obstacles, dict) or not isinstance(domain, dict) or domain.get("boundary") is not None:
-            return data
-        boundary = "open" if obstacles.get("layout") in OPEN_BY_DEFAULT else "periodic"
-        return {**data, "domain": {**domain, "boundary": boundary}}
+        return _with_boundary(data)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -228,17 +229,9 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Scene:
-        check_whole_steps("run.duration", self.run.duration, self.run.time_step)
-        if self.record.every is not None:
-            check_whole_steps("record.every", self.record.every, self.run.time_step)
-        check_flights(self.run, self.record, integrator=self.integrator, rotational_diffusion=self.rotational_diffusion)
-        self.obstacles.check(self.domain)
-        self.swimmers.release.check(self.domain)
-        self.encounter.check()
-        if self.run.integrator == "located" and (isinstance(self.noise, Brownian) or self.run.precision == "f32"):
-            raise KeyedError("run.integrator", "located is for runs without noise in f64: expected euler or auto")
-        if self.run.integrator == "reflected" and not isinstance(self.noise, Brownian):
-            raise KeyedError("run.integrator", "reflected is for runs with noise: expected located, euler or auto")
+        found = disagreements(self)
+        if found:
+            raise SeveralKeyedError(found)
         return self
 
     def _placed(self, error: KeyedError) -> Exception:
@@ -255,18 +248,45 @@ def load_scene(path: Path | str) -> Scene:
 
 def _validated(document: Document, folder: Path) -> Scene:
     data = frozen(document.data)
-    units = None
+    units: UnitSystem | str | None = None
     if data.get("units") is not None:
         try:
             units = UnitSystem.of(Units.model_validate(data["units"]))
-        except ValidationError as error:
-            raise scene_error(error, model=Units, document=document, inside=("units",)) from None
+        except ValidationError:
+            units = UNITS_UNKNOWN  # the scene says why
+    context = {"units": units}
     try:
-        scene = Scene.model_validate(data, context={"units": units})
+        scene = Scene.model_validate(data, context=context)
     except ValidationError as error:
-        raise scene_error(error, model=Scene, document=document) from None
+        faults = faults_of(error, model=Scene, document=document)
+        sound = sound_part(Scene, _with_boundary(data), faults, context=context)
+        sound._folder = folder
+        seen = {fault.path for fault in faults}
+        others = [keyed_fault(each) for each in (*disagreements(sound, whole=False), *_lost_files(sound))]
+        raise scene_error([*faults, *(each for each in others if each.path not in seen)], document) from None
     scene._document, scene._folder = document, folder
-    for key, path in scene.files.items():
-        if not path.is_file():
-            raise document.error(tuple(key.split(".")), f"there is no file {str(path)!r}")
+    lost = [keyed_fault(each) for each in _lost_files(scene)]
+    if lost or document.faults:
+        raise scene_error(lost, document)
     return scene
+
+
+def _with_boundary(data: Any) -> Any:
+    obstacles, domain = (data.get(key, {}) for key in ("obstacles", "domain"))
+    if not isinstance(obstacles, dict) or not isinstance(domain, dict) or domain.get("boundary") is not None:
+        return data
+    boundary = "open" if obstacles.get("layout") in OPEN_BY_DEFAULT else "periodic"
+    return {**data, "domain": {**domain, "boundary": boundary}}
+
+
+def _lost_files(scene: Scene) -> list[KeyedError]:
+    """Return a fault for each file that the scene names and that is not there."""
+    found = scene.files.items()
+    return [KeyedError(key, f"there is no file {str(path)!r}") for key, path in found if not _is_file(path)]
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long a name; a NUL in it
+        return False

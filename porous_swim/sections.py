@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
 
-from porous_swim.parts import KeyedError, Part, Time, Whole
+from porous_swim.parts import LEAST_TIME, LONGEST_TIME, UNITS_UNKNOWN, KeyedError, Part, Time, Whole
 from porous_swim.release import Release, Uniform
-
-_MOST_STEPS = 2**62  # steps are counted in 64-bit integers
-_MOST_TURN = 0.017  # D_r times the length of a flight: kicks of 5.4 standard deviations then turn by one radian
 
 
 class Population(Part):
@@ -18,7 +16,7 @@ class Population(Part):
 
     count: Annotated[Whole, Field(gt=0, lt=2**31)]
     """Number of swimmers; they do not feel each other."""
-    dipole_strength: float
+    dipole_strength: Annotated[float, Field(ge=-1e6, le=1e6)]
     """alpha; above 0 a pusher, below 0 a puller. With units `dipole` may be given instead."""
     dipole: str | None = None
     """Force dipole p in place of `dipole_strength`, such as `0.45 pN um` or `0.42 pN * 1.9 um`:
@@ -39,6 +37,8 @@ class Population(Part):
         if not isinstance(data["dipole"], str):
             raise KeyedError("dipole", f"expected a string such as `0.45 pN um`, found {data['dipole']!r}")
         units = (info.context or {}).get("units")
+        if units == UNITS_UNKNOWN:
+            raise PydanticCustomError(UNITS_UNKNOWN, "the units section is wrong")
         if units is None:
             raise KeyedError("dipole", "a dipole needs a `units` section; without one give dipole_strength")
         try:
@@ -51,15 +51,15 @@ class Population(Part):
 class Run(Part):
     """How the swimmers are advanced, how long, and on what."""
 
-    time_step: Annotated[Time, Field(gt=0.0)]
+    time_step: Annotated[Time, Field(ge=LEAST_TIME, le=LONGEST_TIME)]
     """Length of a step."""
-    flight_step: Annotated[Time, Field(gt=0.0)] | None = None
+    flight_step: Annotated[Time, Field(ge=LEAST_TIME, le=LONGEST_TIME)] | None = None
     """Length of the steps of free swimmers that are so far from every colloid that they can neither reach it in such a
     step nor feel its flow change: a whole number of steps, of which `duration` and `record.every` are whole numbers;
     at most 0.017/D_r, in which a swimmer turns little.
     It pays where swimmers are free for long, in dilute fields and around single colloids. For runs with the
     integrator `reflected`. Left out: `time_step`."""
-    duration: Annotated[Time, Field(gt=0.0, le=1e9)]
+    duration: Annotated[Time, Field(gt=0.0, le=LONGEST_TIME)]
     """Length of the run, a whole number of steps."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
     """Every random number follows from it; those of a random medium follow from `obstacles.seed` where that is set."""
@@ -81,11 +81,11 @@ class Run(Part):
 class Record(Part):
     """What of the run is kept to look at. Encounters are always kept, of all swimmers."""
 
-    every: Annotated[Time, Field(gt=0.0)] | None = None
-    """Time between frames, a whole number of steps. Left out: about 200 frames."""
-    swimmers: Annotated[Whole, Field(ge=0)] = 200
+    every: Annotated[Time, Field(gt=0.0, le=LONGEST_TIME)] | None = None
+    """Time between frames, a whole number of steps, at most `run.duration`. Left out: about 200 frames."""
+    swimmers: Annotated[Whole, Field(ge=0, lt=2**31)] = 200
     """How many swimmers are in the recording and in the trajectory: the first ones, at most all."""
-    trails: Annotated[Whole, Field(ge=0)] = 20
+    trails: Annotated[Whole, Field(ge=0, lt=2**31)] = 20
     """How many of these leave a trail, at most `swimmers`."""
 
     @model_validator(mode="after")
@@ -93,30 +93,3 @@ class Record(Part):
         if "trails" in self.model_fields_set and self.trails > self.swimmers:
             raise KeyedError("trails", f"expected at most record.swimmers ({self.swimmers}), found {self.trails}")
         return self
-
-
-def check_whole_steps(key: str, time: float, time_step: float) -> None:
-    """Raise a `KeyedError` for `key` unless `time` is a whole number of steps, within 1e-6 of a step."""
-    steps = time / time_step
-    if not steps < _MOST_STEPS:
-        raise KeyedError(key, f"expected fewer than 2^62 steps of {time_step:g}, found {steps:.3g}")
-    nearest = max(1, round(steps))
-    if abs(steps - nearest) > 1e-6:
-        message = f"{time:.12g} is not a whole number of steps of {time_step:g}"
-        raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")
-
-
-def check_flights(run: Run, record: Record, *, integrator: str, rotational_diffusion: float) -> None:
-    """Raise a `KeyedError` where steps cannot grow to `run.flight_step`."""
-    key, length = "run.flight_step", run.flight_step
-    if length is None:
-        return
-    if integrator != "reflected":
-        raise KeyedError(key, f"flights are for the integrator reflected, which has noise: found {integrator}")
-    if length * rotational_diffusion > _MOST_TURN:
-        most = _MOST_TURN / rotational_diffusion
-        raise KeyedError(key, f"expected at most {most:.3g}, in which a swimmer turns little, found {length:g}")
-    check_whole_steps(key, length, run.time_step)
-    for other, time in (("run.duration", run.duration), ("record.every", record.every)):
-        if time is not None and abs(time / length - max(1, round(time / length))) > 1e-6:
-            raise KeyedError(key, f"expected a whole part of {other} ({time:g}), found {length:g}")

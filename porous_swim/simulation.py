@@ -16,7 +16,7 @@ from porous_swim.costs import COMPILING
 from porous_swim.encounters import ROWS
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
-from porous_swim.engine.engine import Engine, check_flights
+from porous_swim.engine.engine import Engine
 from porous_swim.engine.lags import Lags, n_levels
 from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.engine.news import News
@@ -50,7 +50,6 @@ class Start:
     def of(cls, scene: Scene) -> Start:
         """Start the device and place colloids and swimmers. SceneError, DeviceError as the scene deserves."""
         started = backend.ensure(scene.run.device, scene.run.threads)
-        check_flights(started, scene.flight_ticks)
         field = scene.place_obstacles()
         gamma = scene.swimmers.aspect_ratio
         return cls(started, field, scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma)))

@@ -120,7 +120,7 @@ class TableInfo:
         try:
             stored = json.loads((table.schema.metadata or {})[_INFO_KEY])
             return cls(**{**stored, "box": tuple(stored["box"])})
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
             raise ResultsError(
                 "a table without the metadata of a porous_swim run: use the tables of a Results, "
                 "or TableInfo.attach on your own"

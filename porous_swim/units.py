@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import cache
-from math import isfinite, pi
+from functools import cache, partial
+from math import pi
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, model_validator
 
-from porous_swim.parts import KeyedError, Part
+from porous_swim.parts import KeyedError, Part, check_all
 
 BOLTZMANN = 1.380649e-5  # pN um/K, exact in the SI
 
@@ -59,6 +59,13 @@ _UNIT_OF = {  # what a quantity is measured in here, and an example for messages
     "rotational diffusivity": ("rad^2/s", "`0.19 rad^2/s` or `0.19 1/s`"),
     "dipole": ("pN um", "`0.45 pN um` or `0.42 pN * 1.9 um`"),
 }
+_RANGE = {  # what the units of a scene may be: from a molecule to a whale, in this module's units
+    "length": (1e-3, 1e6),
+    "speed": (1e-6, 1e9),
+    "viscosity": (1e-6, 1e6),
+    "temperature": (1e-3, 1e4),
+}
+_LONGEST = 100  # letters of a quantity: pint's time grows with the square of them
 _ANGLES = ("radian", "degree", "turn")  # pint counts them as pure numbers: rad/s would pass for rad^2/s
 _QUANTITY = re.compile(r"\s*([-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)\s*(\S.*?)?\s*")
 _TIMES = re.compile(r"(?<!\*)[*×·](?!\*)(?=\s*[-+.0-9])")  # before a number: `pN*um` and `m**2` are units
@@ -81,6 +88,8 @@ def read_quantity(text: str, dimension: str) -> float:
     Products such as `0.42 pN * 1.9 um` are multiplied; a temperature may be in `degC`.
     """
     unit, example = _UNIT_OF[dimension]
+    if len(text) > _LONGEST:
+        raise ValueError(f"expected a {dimension} with its unit such as {example}, found {len(text):,} letters")
     factors = [_QUANTITY.fullmatch(factor) for factor in _TIMES.split(text)]
     if None in factors or not any(factor and factor[2] for factor in factors):
         raise ValueError(f"expected a {dimension} with its unit such as {example}, found {text!r}")
@@ -118,27 +127,33 @@ class Units(Part):
     """What a, U and the fluid are in the laboratory; results then say what a and a/U are in um and s."""
 
     length: Annotated[str, _text("length")]
-    """Half-length a of the swimmer, a string such as `1.0 um`."""
+    """Half-length a of the swimmer, a string such as `1.0 um`; from 1 nm to 1 m."""
     speed: Annotated[str, _text("speed")]
-    """Swimming speed U, a string such as `5.0 um/s`."""
+    """Swimming speed U, a string such as `5.0 um/s`; from 1e-6 to 1e9 um/s."""
     viscosity: Annotated[str, _text("viscosity")] | None = None
-    """Viscosity mu of the fluid, a string such as `0.89 mPa s`; for `dipole` and `thermal`."""
+    """Viscosity mu of the fluid, a string such as `0.89 mPa s`, from 1e-6 to 1e6 Pa s; for `dipole` and `thermal`."""
     temperature: Annotated[str, _text("temperature")] | None = None
-    """Temperature of the fluid, a string such as `300 K` or `25 degC`; for `thermal`."""
+    """Temperature of the fluid, a string such as `300 K` or `25 degC`, from 1e-3 to 1e4 K; for `thermal`."""
 
     @model_validator(mode="after")
     def _all_positive(self) -> Units:
-        for dimension in type(self).model_fields:
-            text = getattr(self, dimension)
-            if text is None:
-                continue
-            try:
-                value = read_quantity(text, dimension)
-            except ValueError as error:
-                raise KeyedError(dimension, str(error)) from None
-            if not (isfinite(value) and value > 0.0):
-                raise KeyedError(dimension, f"expected more than 0, found {text!r}")
+        given = [(key, getattr(self, key)) for key in type(self).model_fields if getattr(self, key) is not None]
+        check_all(*(partial(_check_range, key, text) for key, text in given))
         return self
+
+
+def _check_range(dimension: str, text: str) -> None:
+    """Raise a `KeyedError` where a key of `Units` is not read, or beyond what a laboratory has."""
+    try:
+        value = read_quantity(text, dimension)
+    except ValueError as error:
+        raise KeyedError(dimension, str(error)) from None
+    least, most = _RANGE[dimension]
+    if not value > 0.0:
+        raise KeyedError(dimension, f"expected more than 0, found {text!r}")
+    if not least <= value <= most:
+        unit = _UNIT_OF[dimension][0]
+        raise KeyedError(dimension, f"expected {least:g} to {most:g} {unit}, found {text!r}")
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,8 @@ class _Dumper(Emitter, Serializer, SafeRepresenter, _CoreResolver):
 
 
 def _read_int(text: str) -> int:
+    if len(text) > 400:  # digits: no float is as large
+        raise ValueError("too many digits")
     return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
 
 

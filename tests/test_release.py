@@ -196,7 +196,7 @@ def test_a_bad_table_of_swimmers_is_named(tmp_path: Path, table: str, message: s
         # the largest hole between touching spheres of radius 2 takes a sphere of (sqrt(2) - 1) 2 = 0.83
         ({"kind": "uniform"}, {"obstacles": {"layout": "fcc", "radius": 2.0, "spacing": 4.0, "cells": [1, 1,
         1]},
-                               "domain": {}}, "swimmers.release: swimmers do not fit: 0 of 100352 trials"),
+                               "domain": {}}, "swimmers.release: swimmers do not fit: 0 of 102400 trials"),
     ],
 )  # fmt: skip
 def test_swimmers_that_do_not_fit_are_named(release: dict[str, Any], sections: dict[str, Any], message: str) -> None:

@@ -15,17 +15,19 @@ from porous_swim.results import RUN_FILES, Results, RunFolder, load_results
 from porous_swim.tables import ENCOUNTERS_SCHEMA, SCHEMAS, TIMESERIES_SCHEMA, TableInfo, make_table, write_table
 from tests import synthetic
 
+DIRECTORS = np.full((2, 2, 3), 3.0**-0.5)
 ABOUT = synthetic.info(n_swimmers=2, box=(10.0, 20.0, 0.0))
 
 
 def some_results(**replaced: object) -> Results:
     timeseries = {field.name: np.arange(3) for field in TIMESERIES_SCHEMA}
+    timeseries |= {name: np.array([0.0, 0.5, 1.0]) for name in ("fraction_bound", "fraction_contact")}
     tables = {
         "encounters": synthetic.encounters(ABOUT, swimmer=[0, 1], start_time=[0.0, 1.0], end_time=[2.0, 3.0]),
         "colloids": synthetic.colloids(ABOUT, np.eye(3)),
         "timeseries": make_table(TIMESERIES_SCHEMA, timeseries, info=ABOUT),
-        "lags": synthetic.lags(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
-        "trajectory": synthetic.trajectory(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), np.ones((2, 2, 3))),
+        "lags": synthetic.lags(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), DIRECTORS),
+        "trajectory": synthetic.trajectory(ABOUT, np.arange(2.0), np.ones((2, 2, 3)), DIRECTORS),
     }
     stored = Encounters.in_memory(tables.pop("encounters"))
     others = {"summary": {"status": "finished"}, "folder": None, "info": ABOUT, **replaced}

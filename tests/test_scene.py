@@ -38,9 +38,9 @@ def load(tmp_path: Path, text: str) -> Scene:
 def complaint(tmp_path: Path, text: str) -> str:
     with pytest.raises(SceneError) as caught:
         load(tmp_path, text)
-    message = str(caught.value)
-    assert "\n" not in message
-    return message.removeprefix(f"{tmp_path}/")
+    lines = str(caught.value).split("\n")
+    assert all(line.startswith(f"{tmp_path}/s.yaml:") for line in lines)  # one mistake, one line
+    return lines[0].removeprefix(f"{tmp_path}/")
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def complaint(tmp_path: Path, text: str) -> str:
     [
         ("count: 10", "coutn: 10", "2:3: swimmers.coutn: unknown key; did you mean `count`? allowed: "
          "count, dipole_strength, "
-         "dipole, aspect_ratio, release (1 more to mend)"),
+         "dipole, aspect_ratio, release"),
         ("swimmers:", "swimers:", "1:1: swimers: unknown key; did you mean `swimmers`?"),
         ("  count: 10\n", "", "1:1: swimmers.count: this key is required and missing (Number of swimmers"),
         ("run: {time_step: 0.001, duration: 2}\n", "", "1:1: run: this key is required and missing"),
@@ -215,7 +215,7 @@ def test_replace_puts_whole_values_at_dotted_keys(tmp_path: Path) -> None:
         ({"swimmer.count": 2}, "swimmer: unknown key; did you mean `swimmers`?"),
         ({"run.seed": -1}, "run.seed: expected at least 0, found -1"),
         ({"run.duration": 1e300}, "run.duration: expected at most 1e+09, found 1e+300"),
-        ({"run.time_step": 1e-300, "run.duration": 1.0}, "run.duration: expected fewer than 2^62 steps of 1e-300"),
+        ({"run.time_step": 1e-300, "run.duration": 1.0}, "run.time_step: expected at least 1e-09, found"),
         ({"obstacles.cells": [10**6, 10**6]}, "obstacles.cells: expected at most 100000000 colloids"),
         ({"name": "x" * 200}, "name: expected at most 100 characters, found"),
         ({"noise": {1: 2}}, "a key must be a word, found 1"),

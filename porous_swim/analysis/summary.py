@@ -218,7 +218,7 @@ def summary_page(summary: Mapping[str, Any]) -> str:
             statistic = summary[group][name]
             shown = {**statistic, **statistic.get("physical", {}), "physical": None}
             doubt = statistic.get("warning")
-            mark = "" if doubt is None else f"; **warning**: {doubt}"
+            mark = "" if doubt is None else f"; **doubtful**: {doubt}"
             rows.append(f"| {label} | {_in_words(shown)}{mark} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
     warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])

@@ -14,6 +14,7 @@ from porous_swim.engine.advance import Structure, make_advance
 from porous_swim.engine.backend import Backend, whole_vectors
 from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.laws import Laws, Numbers, flight_height
+from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.news import News, NewsDesk
@@ -41,8 +42,6 @@ TASK = 512  # Taichi gives a CPU thread at least so many iterations of the outer
 # Threads of a group on a GPU; the last group is filled with lanes that idle. In a group filled in part llvmpipe
 # (Mesa 22.3) stops every thread behind its first loop that holds an atomic operation.
 GROUP = 128
-# software Vulkan drivers skip iterations of long loops; other devices take any length
-LONGEST_LAUNCH = {"cpu": 1 << 20, "cuda": 1 << 20, "metal": 1 << 20, "vulkan": 4}
 PATIENCE = 8  # launches without any progress, which a device that keeps its word never needs
 WORD = 0xFFFFFFFF
 NOT_FINITE = "its position or director is not a finite number: the time step is too long for the flow there"

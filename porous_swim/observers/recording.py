@@ -31,6 +31,7 @@ from porous_swim.observers.timeline import TimeLine
 from porous_swim.observers.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.printing import printable
 from porous_swim.scales import Scales
 
 LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
@@ -268,8 +269,8 @@ class Recording:
 
     def _write_page(self, text: str) -> None:
         assert self._file is not None
-        self._file.log("summary", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+        self._file.log("summary", rr.TextDocument(printable(text), media_type=rr.MediaType.MARKDOWN))
 
     def _say(self, text: str, level: str, frame: Frame) -> None:
         assert self._file is not None
-        self._file.log_at("log", rr.TextLog(text, level=level), step=frame.step, time=frame.time)
+        self._file.log_at("log", rr.TextLog(printable(text), level=level), step=frame.step, time=frame.time)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from math import pi, sqrt
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -13,9 +14,14 @@ from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField, bulk
 from porous_swim.obstacles.insertion import insert
 from porous_swim.obstacles.overlaps import checked_field
-from porous_swim.parts import KeyedError, Length, Part, Radii, Whole
+from porous_swim.parts import FARTHEST, KeyedError, Length, Part, Radii, Whole
 
-Fractions = Annotated[tuple[Annotated[float, Field(gt=0.0)], ...], Field(min_length=1)]
+Fractions = Annotated[tuple[Annotated[float, Field(ge=1e-9, le=1e9)], ...], Field(min_length=1)]
+
+
+_DENSEST = {2: pi / sqrt(12.0), 3: pi / sqrt(18.0)}  # of equal discs (Thue), of equal spheres (Hales)
+_MOST_PACKED = 1_000_000  # 0.2 ms each at a fraction of 0.3, 1 ms where they jam
+_MANY = 200  # spheres of which a random arrangement comes no farther than one without end, within a few per cent
 
 
 class Disorder(Part):
@@ -27,9 +33,9 @@ class Disorder(Part):
     """Share of the colloids that has each radius; they are scaled to a sum of 1. Left out: equal shares."""
     count: Annotated[Whole, Field(gt=0, le=MOST_COLLOIDS)] | None = None
     """Number of colloids."""
-    packing_fraction: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    packing_fraction: Annotated[float, Field(ge=1e-12, lt=1.0)] | None = None
     """Share of the volume (area in 2-D) in colloids; with `domain.size` as near as a whole count comes."""
-    min_gap: Annotated[Length, Field(ge=0.0)] = 0.0
+    min_gap: Annotated[Length, Field(ge=0.0, le=FARTHEST)] = 0.0
     """Least distance between two surfaces. A swimming sphere passes where it is 2 or more."""
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] | None = None
     """Where the colloids are follows from it. Set it to keep the medium while `run.seed` changes the swimmers.
@@ -59,6 +65,9 @@ class Disorder(Part):
             box = np.zeros(3)
         return checked_field(centers, radii, box=box, dimensions=domain.dimensions, key="obstacles")
 
+    _LIMITS: ClassVar[dict[int, float]] = {}  # share of the box that many equal spheres reach, by dimensions
+    _WHY: ClassVar[str] = ""
+
     @abstractmethod
     def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         """Return (n, d) centres of spheres of `radii` (n,) in the periodic `box` (d,)."""
@@ -86,11 +95,32 @@ class Disorder(Part):
         if box[:d].min() < shortest:
             message = f"a colloid of radius {radii[0]:g} overlaps its own image in a box of {box[:d].min():g}"
             raise KeyedError("obstacles", f"{message}: expected at least {shortest:g}")
+        self._check_room(radii + 0.5 * self.min_gap, box[:d])
         return radii, box
+
+    def _check_room(self, radii: np.ndarray, box: np.ndarray) -> None:
+        """Raise a `KeyedError` where spheres of `radii` (n,), gaps included, are known not to fit into `box` (d,)."""
+        share, d = float(bulk(radii, len(box)).sum() / np.prod(box)), len(box)
+        equal = radii[0] == radii[-1]
+        most, why = (_DENSEST[d], "the densest packing of equal ones there is") if equal else (1.0, "all of the box")
+        if equal and len(radii) >= _MANY:
+            limit = self._LIMITS.get(d, most)
+            most, why = (limit, self._WHY) if limit < most else (most, why)
+        if share > most:
+            gaps = ", gaps included," if self.min_gap else ""
+            raise KeyedError(
+                "obstacles",
+                f"the colloids would fill {share:.4g} of the box{gaps} and {most:.4g} is {why}: give fewer, a smaller "
+                "packing_fraction or min_gap, or a larger domain.size",
+            )
 
 
 class Random(Disorder):
     """Spheres put down one by one where there is room (random sequential addition), the largest first."""
+
+    # Jammed by addition at 0.5471 and 0.3841 (Torquato, Uche, Stillinger, Phys. Rev. E 74, 061308, 2006), and 0.01 more
+    # for boxes of some hundred
+    _LIMITS, _WHY = {2: 0.557, 3: 0.394}, "more than equal ones fill that are put down one by one"
 
     layout: Literal["random"]
 
@@ -109,11 +139,16 @@ class Random(Disorder):
 class Packing(Disorder):
     """A random packing of moving, growing spheres (Lubachevsky, Stillinger, J. Stat. Phys. 60, 561, 1990)."""
 
+    _LIMITS, _WHY = {3: 0.66}, "more than a random packing of equal ones reaches (0.64)"
+
     layout: Literal["packing"]
 
     def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         import spheropack
 
+        if len(radii) > _MOST_PACKED:
+            found = f"expected at most {_MOST_PACKED:,} colloids, which take some ten minutes, found {len(radii):,}"
+            raise KeyedError("obstacles", f"{found}: give fewer, or the layout random")
         try:
             packing = spheropack.pack(
                 radii=radii,

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from porous_swim.parts import KeyedError, Length, Part, as_vector
+from porous_swim.parts import LEAST_RADIUS, LONGEST, KeyedError, Length, Part, as_vector
 
 MOST_COLLOIDS = 10**8  # about 3 GB of centres and radii
 
-Edge = Annotated[Length, Field(gt=0.0)]
+Edge = Annotated[Length, Field(ge=LEAST_RADIUS, le=LONGEST)]
 
 
 class Domain(Part):

@@ -9,20 +9,22 @@ from porous_swim.obstacles.nearest import wrap
 
 _MOST_ROUNDS_WITHOUT_ROOM = 20  # of _FEWEST_TRIES each: then the rest of the room is a 1e-6 of the box
 _FEWEST_TRIES = 50_000
+_MOST_TRIES, _MOST_TRIES_EACH = 10_000_000, 100  # of all spheres, or of each if that is more: half a minute for 10^4
 
 
 def insert(radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return centres (m, d) of spheres of `radii` (n,) in `box` (d,); m < n where no room is left.
+    """Return centres (m, d) of spheres of `radii` (n,) in `box` (d,); m < n where no room is left, or hardly any.
 
     Equal radii stand together. Trial places are uniform; a sphere that overlaps an earlier one is dropped and
     tried elsewhere. Whole rounds of trials are tested at once; of two that overlap the earlier one stands, so
     the law is that of one by one.
     """
-    placed = np.zeros((0, len(box)))
+    placed, left = np.zeros((0, len(box))), max(_MOST_TRIES, _MOST_TRIES_EACH * len(radii))
     for value, count in _runs(radii):
         goal, barren = len(placed) + count, 0
-        while len(placed) < goal and barren < _MOST_ROUNDS_WITHOUT_ROOM:
+        while len(placed) < goal and barren < _MOST_ROUNDS_WITHOUT_ROOM and left > 0:
             tries = max(2 * (goal - len(placed)), _FEWEST_TRIES if barren else 1000)
+            left -= tries
             fresh = wrap(rng.random((tries, len(box))) * box, box)
             fresh = fresh[_free_of(fresh, value, placed, radii[: len(placed)], box)]
             fresh = fresh[_free_of_earlier(fresh, value, box)]

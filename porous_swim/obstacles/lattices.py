@@ -11,7 +11,7 @@ from pydantic import Field
 
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.parts import KeyedError, Length, Part, Radius, Whole
+from porous_swim.parts import LONGEST, KeyedError, Length, Part, Radius, Whole, check_all
 
 
 class Lattice(Part):
@@ -23,24 +23,35 @@ class Lattice(Part):
 
     radius: Radius
     """Radius A of every colloid."""
-    spacing: Annotated[Length, Field(gt=0.0)]
+    spacing: Annotated[Length, Field(gt=0.0, le=LONGEST)]
     """Distance between the centres of nearest neighbours, at least 2 radii."""
-    cells: Annotated[tuple[Annotated[Whole, Field(gt=0)], ...], Field(min_length=2, max_length=3)]
+    cells: Annotated[tuple[Annotated[Whole, Field(gt=0, le=MOST_COLLOIDS)], ...], Field(min_length=2, max_length=3)]
     """Number of orthogonal cells along each axis."""
 
     def check(self, domain: Domain) -> None:
         """Raise a `KeyedError` where the lattice does not fit `domain`."""
         tag = getattr(self, "layout", type(self).__name__)
+        check_all(
+            lambda: self._check_dimensions(domain, tag),
+            lambda: domain.refuse_size(f"the layout {tag} sets the box from spacing and cells"),
+            self._check_cells,
+            self._check_spacing,
+        )
+
+    def _check_dimensions(self, domain: Domain, tag: str) -> None:
         if domain.dimensions != self.DIMENSIONS:
             message = f"the layout {tag} needs {self.DIMENSIONS}, found {domain.dimensions}"
             raise KeyedError("domain.dimensions", message)
-        domain.refuse_size(f"the layout {tag} sets the box from spacing and cells")
+
+    def _check_cells(self) -> None:
         if len(self.cells) != self.DIMENSIONS:
             message = f"expected {self.DIMENSIONS} numbers of cells, found {len(self.cells)}"
             raise KeyedError("obstacles.cells", message)
         count = prod(self.cells) * len(self.BASIS)
         if count > MOST_COLLOIDS:
             raise KeyedError("obstacles.cells", f"expected at most {MOST_COLLOIDS} colloids, found {count}")
+
+    def _check_spacing(self) -> None:
         if self.spacing < 2.0 * self.radius:
             overlap = 2.0 * self.radius - self.spacing
             message = f"colloids of radius {self.radius:g} overlap by {overlap:.3g}: expected at least"

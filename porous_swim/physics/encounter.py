@@ -7,17 +7,17 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from porous_swim.parts import KeyedError, Length, Part
+from porous_swim.parts import FARTHEST, KeyedError, Length, Part
 
 
 class Encounter(Part):
     """Starts at first contact and ends when the height above that colloid exceeds `escape_height`."""
 
-    escape_height: Length = Field(default=1.5, gt=0.0)
+    escape_height: Length = Field(default=1.5, gt=0.0, le=FARTHEST)
     """Height of the swimmer's centre above the surface at which an encounter ends (the paper's r)."""
-    contact_band: Length = Field(default=0.05, ge=0.0)
+    contact_band: Length = Field(default=0.05, ge=0.0, le=FARTHEST)
     """A bound swimmer no higher than this above its contact height counts as in contact."""
-    escape_pitch: Annotated[float, Field(gt=0.0)] | Literal["leading", "exact"] = "leading"
+    escape_pitch: Annotated[float, Field(gt=0.0, lt=1.571)] | Literal["leading", "exact"] = "leading"
     """Pitch whose first passage is timed: `leading` 3 alpha/(8 gamma^2), `exact` that of lift-off from each colloid, at
     which dh/dt = 0 in contact, or radians."""
 

@@ -35,12 +35,12 @@ class Brownian(Part):
     """Thermal (or active) noise of a swimmer in a quiet fluid."""
 
     kind: Literal["brownian"] = "brownian"
-    translational_diffusion: Diffusivity = Field(ge=0.0)
+    translational_diffusion: Diffusivity = Field(ge=0.0, le=1e6)
     """D, the same in all directions: of a spheroid the mean over its orientations, in 2-D over those in the plane.
     With `units`, `thermal` means kT/(6 pi viscosity a), for a spheroid times the mean of Perrin's factors."""
-    rotational_diffusion: Annotated[RotationalDiffusivity, Field(ge=0.0)] | Literal["from_sphere", "from_spheroid"] = (
-        "from_sphere"
-    )
+    rotational_diffusion: (
+        Annotated[RotationalDiffusivity, Field(ge=0.0, le=1e6)] | Literal["from_sphere", "from_spheroid"]
+    ) = "from_sphere"
     """D_r. `from_sphere` means 3 D/4, that of a sphere of radius a; `from_spheroid` that of a spheroid of the
     swimmers' aspect ratio whose mean D this is (Perrin 1934)."""
     variates: Literal["gaussian", "uniform"] = "gaussian"

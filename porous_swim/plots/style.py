@@ -9,6 +9,8 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from porous_swim.printing import printable
+
 RUN_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 STATE_COLORS = ("#56b4e9", "#b8a200", "#d55e00")  # free, bound, contact: the recording's, its yellow dark enough here
 STATE_NAMES = ("free", "bound", "in contact")
@@ -25,8 +27,15 @@ class Shown(Generic[Data]):
     """One run in a picture."""
 
     label: str
+    """As matplotlib takes it: see `named`."""
     color: str
     data: Data
+
+
+def named(label: str) -> str:
+    """A name as matplotlib shows it as it stands: no dollar begins a formula, and no underscore hides it in legends."""
+    text = printable(label).replace("$", r"\$")
+    return f" {text}" if text.startswith("_") else text
 
 
 def panels(

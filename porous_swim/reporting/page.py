@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
+from porous_swim.printing import printable
 from porous_swim.reporting.pictures import Picture
 from porous_swim.reporting.section import Cell, Number, Section, Table
 
@@ -50,52 +51,57 @@ def html(
     title: str, lead: str, sections: Sequence[Section], pictures: Mapping[str, Picture], warnings: Sequence[str]
 ) -> str:
     """The whole page; `pictures` by the names of their sections."""
-    links = "\n".join(f'<a href="#{section.name}">{escape(section.title)}</a>' for section in sections)
+    links = "\n".join(f'<a href="#{section.name}">{_text(section.title)}</a>' for section in sections)
     body = "".join(_section(section, pictures.get(section.name)) for section in sections)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<link rel="icon" href="data:,">\n<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
-        f'<header>\n<h1>{escape(title)}</h1>\n<p class="lead">{escape(lead)}</p>\n</header>\n<nav>{links}</nav>\n'
+        f'<link rel="icon" href="data:,">\n<title>{_text(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
+        f'<header>\n<h1>{_text(title)}</h1>\n<p class="lead">{_text(lead)}</p>\n</header>\n<nav>{links}</nav>\n'
         f"{_warnings(warnings)}<main>\n{body}</main>\n</body>\n</html>\n"
     )
+
+
+def _text(text: str) -> str:
+    """Any text as the page holds it."""
+    return escape(printable(text))
 
 
 def _warnings(warnings: Sequence[str]) -> str:
     if not warnings:
         return ""
-    items = "".join(f"<li>{escape(warning)}</li>\n" for warning in warnings)
+    items = "".join(f"<li>{_text(warning)}</li>\n" for warning in warnings)
     return f'<div class="warnings" role="note"><strong>Doubtful</strong>\n<ul>\n{items}</ul></div>\n'
 
 
 def _section(section: Section, picture: Picture | None) -> str:
-    parts = [f"<p>{escape(text)}</p>\n" for text in section.text]
+    parts = [f"<p>{_text(text)}</p>\n" for text in section.text]
     if picture is not None:
         parts.append(_figure(section, picture))
-    parts += [f'<p class="missing">{escape(text)}</p>\n' for text in section.missing]
+    parts += [f'<p class="missing">{_text(text)}</p>\n' for text in section.missing]
     parts += [_table(table) for table in section.tables]
     parts += [
-        f"<details><summary>{escape(heading)}</summary>\n<pre>{escape(text)}</pre></details>\n"
+        f"<details><summary>{_text(heading)}</summary>\n<pre>{_text(text)}</pre></details>\n"
         for heading, text in section.listings
     ]
-    return f'<section id="{section.name}">\n<h2>{escape(section.title)}</h2>\n{"".join(parts)}</section>\n'
+    return f'<section id="{section.name}">\n<h2>{_text(section.title)}</h2>\n{"".join(parts)}</section>\n'
 
 
 def _figure(section: Section, picture: Picture) -> str:
     data = base64.b64encode(picture.content).decode("ascii")
     return (
-        f'<figure><img alt="{escape(section.title)}" width="{picture.width}" height="{picture.height}" '
-        f'src="data:{picture.mime};base64,{data}">\n<figcaption>{escape(section.caption)}</figcaption></figure>\n'
+        f'<figure><img alt="{_text(section.title)}" width="{picture.width}" height="{picture.height}" '
+        f'src="data:{picture.mime};base64,{data}">\n<figcaption>{_text(section.caption)}</figcaption></figure>\n'
     )
 
 
 def _table(table: Table) -> str:
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.header)
+    head = "".join(f'<th scope="col">{_text(name)}</th>' for name in table.header)
     rows = "".join(
         f'<tr><th scope="row">{_cell(row[0])}</th>{"".join(f"<td>{_cell(cell)}</td>" for cell in row[1:])}</tr>\n'
         for row in table.rows
     )
-    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    caption = f"<caption>{_text(table.caption)}</caption>" if table.caption else ""
     kind = "table long" if len(table.rows) > LONG else "table"
     return (
         f'<div class="{kind}"><table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n'
@@ -104,9 +110,9 @@ def _table(table: Table) -> str:
 
 def _cell(cell: Cell) -> str:
     if not isinstance(cell, Number):
-        return escape(cell)
-    note = f"<small>{escape(cell.note)}</small>" if cell.note else ""
-    note += f'<small class="doubt">doubtful: {escape(cell.doubt)}</small>' if cell.doubt else ""
+        return _text(cell)
+    note = f"<small>{_text(cell.note)}</small>" if cell.note else ""
+    note += f'<small class="doubt">doubtful: {_text(cell.doubt)}</small>' if cell.doubt else ""
     if math.isfinite(cell.value):
-        return f'<data value="{cell.value!r}">{escape(cell.text)}</data>{note}'
-    return f"{escape(cell.text)}{note}"
+        return f'<data value="{cell.value!r}">{_text(cell.text)}</data>{note}'
+    return f"{_text(cell.text)}{note}"

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from porous_swim.printing import printable
 from porous_swim.reporting.numbers import NONE, physical, statistics, value_and_error
 from porous_swim.reporting.run import Run
 from porous_swim.reporting.statistics import name_of
@@ -36,15 +37,16 @@ def print_report(report: Report) -> None:
         console = Console(highlight=False, width=_WIDE)
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     for name in ("", "unit", *(run.label for run in report.runs)):
-        table.add_column(Text(name))
+        table.add_column(Text(printable(name)))
     for path in MAIN:
         cells = [_cell(run, path) for run in report.runs]
         if any(cell != NONE for cell in cells):
-            table.add_row(Text(name_of(path)), Text(_unit(report.runs[0], path)), *(Text(cell) for cell in cells))
+            unit = _unit(report.runs[0], path)
+            table.add_row(Text(name_of(path)), Text(printable(unit)), *(Text(printable(cell)) for cell in cells))
     if table.row_count:
         console.print(table)
     for warning in (*report.warnings, *_doubts(report)):
-        console.print(Text.assemble(("doubtful  ", "yellow"), warning), soft_wrap=not console.is_terminal)
+        console.print(Text.assemble(("doubtful  ", "yellow"), printable(warning)), soft_wrap=not console.is_terminal)
 
 
 def _doubts(report: Report) -> list[str]:

@@ -1,0 +1,235 @@
+"""What is read back of a run must be what a run can leave: one look at metadata, summary and tables, once.
+
+Each table in memory is scanned column by column (some 5 ns a number); a table of encounters that is too long for memory
+part by part, as it is read, so that to load it costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from porous_swim.errors import ResultsError
+from porous_swim.tables import TableInfo
+
+if TYPE_CHECKING:
+    from porous_swim.results import Results
+
+_ROUNDING = 1e-6  # of times and of unit vectors, some times that of single precision
+_LARGEST = 1e30  # of any number: its square is still one
+_DEEPEST = 12  # maps and lists within each other in a summary; a run writes five
+_STATISTIC = {"value", "standard_error", "n", "unit"}
+_MAY_LACK = {("timeseries", "msd_standard_error")}  # of one swimmer there is none
+
+
+def checked(results: Results, folder: Path) -> Results:
+    """Return `results`, which were read from `folder`; a `ResultsError` names file and column of what no run writes."""
+    check_summary(results.summary, folder / "summary.json")
+    others = {name: getattr(results, name) for name in ("colloids", "timeseries", "lags", "trajectory")}
+    check_info(results.info, folder / "encounters.parquet")
+    for name, table in others.items():
+        _check_same(results.info, table, folder / f"{name}.parquet")
+    limits = Limits.of(results.info, results.colloids, folder / "colloids.parquet")
+    for name, table in others.items():
+        check_table(table, limits, folder / f"{name}.parquet")
+    path = folder / "encounters.parquet"
+    stored = results.stored
+    if isinstance(stored.source, pa.Table):
+        check_table(stored.source, limits, path)
+        return results
+    return replace(results, stored=replace(stored, check=lambda part: check_table(part, limits, path)))
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the numbers of a run's tables lie between."""
+
+    n_swimmers: int
+    n_colloids: int
+    first_time: float
+    last_time: float
+    wall: bool
+
+    @classmethod
+    def of(cls, info: TableInfo, colloids: pa.Table, path: Path) -> Limits:
+        """From the information on the tables, and the colloids of the run."""
+        number = colloids.column("colloid").to_numpy()
+        if np.any(number != np.arange(len(number))):
+            row = int(np.argmax(number != np.arange(len(number))))
+            raise _wrong(path, "colloid", row, number[row], f"{row}: colloids are counted from 0")
+        radius = colloids.column("radius").to_numpy()
+        wall = len(radius) == 1 and bool(np.isinf(radius[0]))
+        return cls(info.n_swimmers, len(number), info.first_time, info.last_time, wall)
+
+    def of_column(self, table: str, column: str) -> tuple[float, float]:
+        """The least and the largest that `column` may hold."""
+        duration = self.last_time - self.first_time
+        slack = _ROUNDING * max(abs(self.last_time), duration, 1.0)
+        if column in ("time", "start_time", "end_time", "release_time", "escape_pitch_time"):
+            return self.first_time - slack, self.last_time + slack
+        if column in ("lag", "contact_time"):
+            return -slack, duration + slack
+        if column == "radius":
+            return math.ulp(0.0), math.inf if self.wall else _LARGEST
+        whole = {
+            "swimmer": (0, self.n_swimmers - 1), "group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers),
+            "colloid": (-1 if table == "trajectory" else 0, self.n_colloids - 1), "state": (0, 2),
+        }  # fmt: skip
+        if column in whole:
+            return whole[column]
+        if column.startswith("n_"):
+            return 0, math.inf
+        if column.startswith("image_"):
+            return -math.inf, math.inf
+        if column.startswith("fraction_"):
+            return 0.0, 1.0
+        if column == "director_correlation" or column in _UNIT_VECTORS:
+            return -1.0 - _ROUNDING, 1.0 + _ROUNDING
+        if column in ("entry_pitch", "exit_pitch", "release_pitch"):
+            return -0.5 * math.pi - _ROUNDING, 0.5 * math.pi + _ROUNDING
+        if column in ("msd", "msd_standard_error", "fourth_moment"):
+            return 0.0, _LARGEST
+        return -_LARGEST, _LARGEST
+
+
+_UNIT_VECTORS = {f"{where}{axis}" for where in ("", "entry_", "exit_") for axis in ("ex", "ey", "ez")}
+
+
+def check_table(table: pa.Table, limits: Limits, path: Path) -> None:
+    """Raise a `ResultsError` for the first number of `table` that is beyond its `limits`, or out of order."""
+    name = path.stem
+    for column in table.column_names:
+        values = table.column(column)
+        if values.null_count:
+            values = values.drop_null()
+        numbers = values.to_numpy()
+        if numbers.dtype == bool or len(numbers) == 0:
+            continue
+        low, high = limits.of_column(name, column)
+        with np.errstate(invalid="ignore"):
+            good = (numbers.min() >= low) and (numbers.max() <= high)  # a NaN makes both comparisons fail
+        if not good:
+            bad = ~((numbers >= low) & (numbers <= high))
+            if (name, column) in _MAY_LACK:
+                bad &= ~np.isnan(numbers)
+            if bad.any():
+                row = int(np.argmax(bad))
+                raise _wrong(path, column, row, numbers[row], f"{low:.6g} to {high:.6g}")
+    for column in {"encounters": ("swimmer",), "timeseries": ("time",), "trajectory": ("time",)}.get(name, ()):
+        if column in table.column_names:
+            _check_order(table.column(column).to_numpy(), path, column)
+    if {"start_time", "end_time"} <= set(table.column_names):
+        start, end = (table.column(column).to_numpy() for column in ("start_time", "end_time"))
+        if np.any(end < start):
+            row = int(np.argmax(end < start))
+            raise _wrong(path, "end_time", row, end[row], f"at least the start_time of its row, {start[row]:.6g}")
+
+
+def _check_order(numbers: np.ndarray, path: Path, column: str) -> None:
+    falls = numbers[1:] < numbers[:-1]
+    if falls.any():
+        row = int(np.argmax(falls)) + 1
+        raise _wrong(path, column, row, numbers[row], f"at least {numbers[row - 1]:.6g}, that of the row before")
+
+
+def _wrong(path: Path, column: str, row: int, found: Any, expected: str) -> ResultsError:
+    shown = f"{found:.6g}" if isinstance(found, (float, np.floating)) else f"{found}"
+    return ResultsError(
+        f"{path}: column {column}, row {row}: found {shown}, expected {expected}; the file is damaged or of another run"
+    )
+
+
+def check_info(info: TableInfo, path: Path) -> None:
+    """Raise a `ResultsError` where what stands in the metadata of the file `path` is not what a run writes."""
+    wanted: dict[str, tuple[bool, str]] = {
+        "n_swimmers": (_is_whole(info.n_swimmers) and 0 < info.n_swimmers < 2**31, "a count of swimmers"),
+        "dimensions": (_is_whole(info.dimensions) and info.dimensions in (2, 3), "2 or 3"),
+        "box": (len(info.box) == 3 and all(_is_number(edge) and edge >= 0.0 for edge in info.box), "three edges"),
+        "first_time": (_is_number(info.first_time), "a time"),
+        "last_time": (_is_number(info.last_time), "a time"),
+        "time_step": (_is_number(info.time_step) and info.time_step > 0.0, "a length of time"),
+        "units": (info.units is None or _are_units(info.units), "length_um and time_s above 0"),
+        "provenance": (isinstance(info.provenance, dict), "a map"),
+    }
+    for key, (good, expected) in wanted.items():
+        if not good:
+            raise _junk(path, f"metadata: {key}", getattr(info, key), expected)
+    if info.last_time < info.first_time:
+        raise _junk(path, "metadata: last_time", info.last_time, f"at least first_time, {info.first_time:g}")
+    _check_depth(info.provenance, path, "metadata: provenance")
+
+
+def check_summary(summary: Mapping[str, Any], path: Path) -> None:
+    """Raise a `ResultsError` where the summary in the file `path` holds what no run writes."""
+    _check_depth(summary, path, "")
+    if not isinstance(summary.get("status", ""), str):
+        raise _junk(path, "status", summary["status"], "a word")
+    warnings = summary.get("warnings", [])
+    if not isinstance(warnings, list) or not all(isinstance(sentence, str) for sentence in warnings):
+        raise _junk(path, "warnings", warnings, "a list of sentences")
+    if not isinstance(summary.get("provenance") or {}, dict):
+        raise _junk(path, "provenance", summary["provenance"], "a map")
+    for key, value in summary.items():
+        _check_statistics(value, path, key)
+
+
+def _check_statistics(entry: Any, path: Path, key: str) -> None:
+    if not isinstance(entry, dict):
+        return
+    if not set(entry) >= _STATISTIC:
+        for inner, value in entry.items():
+            _check_statistics(value, path, f"{key}.{inner}")
+        return
+    for name, least in (("value", -math.inf), ("standard_error", 0.0)):
+        if not (entry[name] is None or (_is_number(entry[name]) and entry[name] >= least)):
+            raise _junk(path, f"{key}.{name}", entry[name], "a number, or null")
+    for name in ("n", "n_censored"):
+        if not (_is_whole(entry.get(name, 0)) and entry.get(name, 0) >= 0):
+            raise _junk(path, f"{key}.{name}", entry[name], "a count")
+    if not isinstance(entry["unit"], str):
+        raise _junk(path, f"{key}.unit", entry["unit"], "a unit")
+
+
+def _check_depth(value: Any, path: Path, key: str, depth: int = 0) -> None:
+    if depth > _DEEPEST:
+        raise ResultsError(f"{path}: {key}: found maps or lists {_DEEPEST} deep; no run writes that")
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    for each in inner:
+        _check_depth(each, path, key or "the summary", depth + 1)
+
+
+def _check_same(info: TableInfo, table: pa.Table, path: Path) -> None:
+    """Each table says how many swimmers there are, and of what run."""
+    try:
+        own = TableInfo.of(table)
+    except ResultsError as error:
+        raise ResultsError(f"{path}: {error}") from error
+    check_info(own, path)
+    for key in ("n_swimmers", "dimensions", "box", "time_step"):
+        if getattr(own, key) != getattr(info, key):
+            raise _junk(path, f"metadata: {key}", getattr(own, key), f"{getattr(info, key)}, as for the encounters")
+
+
+def _junk(path: Path, key: str, found: Any, expected: str) -> ResultsError:
+    text = repr(found)
+    return ResultsError(f"{path}: {key}: found {text[:60]}{'...' * (len(text) > 60)}, expected {expected}")
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
+
+
+def _are_units(units: Any) -> bool:
+    return isinstance(units, dict) and all(
+        _is_number(units.get(key)) and units[key] >= 1.0 / _LARGEST for key in ("length_um", "time_s")
+    )
