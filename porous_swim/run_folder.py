@@ -99,8 +99,12 @@ class RunFolder:
 
     @property
     def is_own(self) -> bool:
-        """Whether the folder is still that of this run, and not another that has taken its place."""
-        return self._lock.content().get("run_id") == self.run_id
+        """Whether the folder is still that of this run: not gone, and not another's who took it all the same.
+
+        A lock that someone has deleted is no reason to lose a run.
+        """
+        ended = (self.path / SUMMARY).exists()
+        return self.path.is_dir() and not ended and self._lock.content().get("run_id", self.run_id) == self.run_id
 
     def claim(self, names: Iterable[str]) -> None:
         """Name files that this run is about to write besides those that every run writes."""

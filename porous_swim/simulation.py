@@ -232,10 +232,10 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
         last = time.perf_counter()
         with watch.timing("swimming"):
             simulation.advance(min(at_once, due - simulation.step))
-        observers.keep()
         at_once = _next_launch(at_once, time.perf_counter() - last, unit=simulation.scene.flight_ticks)
         if simulation.step == due:
             observers.observe()
+        observers.keep()
     observers.observe()  # an interrupt may come between two frames
     observers.clock.end(interrupted=simulation.step < end)
     steps = simulation.step * simulation.engine.n_swimmers

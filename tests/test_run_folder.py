@@ -113,6 +113,19 @@ def test_a_folder_that_another_run_took_is_left_alone(tmp_path, monkeypatch) -> 
     assert ps.load_results(there).summary["provenance"]["run_id"] == "other"
 
 
+def test_a_run_whose_lock_was_deleted_keeps_its_results(tmp_path, monkeypatch) -> None:
+    scene = ps.load_scene(small_scene(tmp_path)).replace({"run.duration": 0.1})
+    advance = ps.Simulation.advance
+
+    def delete_the_lock(simulation: ps.Simulation, n_steps: int) -> None:
+        (tmp_path / "run/run.lock").unlink(missing_ok=True)
+        advance(simulation, n_steps)
+
+    monkeypatch.setattr(ps.Simulation, "advance", delete_the_lock)
+    ps.run(scene, out=tmp_path / "run", recording=False)
+    assert ps.load_results(tmp_path / "run").summary["status"] == "finished"
+
+
 # what replacing a run deletes
 
 
