@@ -1,11 +1,13 @@
 """The command line.
 
-Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt; 141 where nobody reads on.
+Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt, 143 for SIGTERM, 129 for SIGHUP;
+141 where nobody reads on.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -16,8 +18,8 @@ from rich.table import Table
 from rich.text import Text
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
-from porous_swim.interrupts import fatal
-from porous_swim.printing import printable, silence
+from porous_swim.interrupts import exit_status, fatal
+from porous_swim.printing import fill_closed_streams, printable, silence, tell
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -42,6 +44,7 @@ Changes = Annotated[
 
 def main() -> None:
     """Run the command line and leave with its exit status."""
+    fill_closed_streams()
     try:
         try:
             _command()
@@ -66,8 +69,8 @@ def _command() -> None:
         _leave(error, 2)
     except RunError as error:
         _leave(error, 1)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    except KeyboardInterrupt as interrupt:
+        sys.exit(128 + (interrupt.args[0] if interrupt.args else signal.SIGINT))
     except MemoryError:
         _leave("not enough memory: lower swimmers.count or record.swimmers", 2)
 
@@ -79,7 +82,7 @@ def _reader_gone() -> NoReturn:
 
 
 def _leave(error: PorousSwimError | str, status: int) -> NoReturn:
-    print(printable(str(error)), file=sys.stderr)
+    tell(str(error), sys.stderr)
     sys.exit(status)
 
 
@@ -118,28 +121,36 @@ def run(
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
     with fatal():
-        from porous_swim.results import RunFolder
+        from porous_swim.run_folder import RunFolder
         from porous_swim.simulation import run_in
 
     options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
     loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})
     results = run_in(
-        lambda: RunFolder.next_free(loaded.name) if out is None else RunFolder.at(out, overwrite=force),
+        lambda: (
+            RunFolder.next_free(loaded.name)
+            if out is None
+            else RunFolder.at(
+                out, overwrite=force, inputs=loaded.inputs, hint="--force", say=lambda line: tell(line, sys.stderr)
+            )
+        ),
         scene=loaded,
         progress=not quiet,
         recording=not no_recording,
     )
+    assert results.folder is not None
+    shown = os.path.relpath(results.folder) if out is None or _is_relative(out) else str(results.folder)
     if json_:
-        _print_json({"folder": str(results.folder)} | results.summary)
+        _print_json({"folder": shown} | results.summary)
     else:
         if not quiet:
             _print_summary(results.summary)
-        print(results.folder)
+        print(shown)
     if results.summary["status"] == "interrupted":
         time, units = results.info.last_time, results.info.units
         laboratory = f" ({time * units['time_s']:.4g} s)" if units else ""
-        print(f"interrupted at time {time:g} a/U{laboratory}; what was seen until then is kept", file=sys.stderr)
-        raise typer.Exit(130)
+        tell(f"interrupted at time {time:g} a/U{laboratory}; what was seen until then is kept", sys.stderr)
+        raise typer.Exit(exit_status(results.summary["signal"]))
 
 
 @app.command(short_help="Say what a scene is and what is doubtful about it.")
@@ -181,12 +192,13 @@ def report(
     ] = None,
 ) -> None:
     """Summarise a run, and write pictures and tables as one HTML page. The last line on stdout is its path."""
+    from porous_swim.manifest import REPORTS
     from porous_swim.reporting.terminal import print_report
     from porous_swim.reporting.write import write_report
-    from porous_swim.results import REPORT, load_results
+    from porous_swim.results import load_results
 
     every = [load_results(folder) for folder in (run_folder, *(compare or []))]
-    made = write_report(every, out or run_folder / ("comparison" if compare else REPORT))
+    made = write_report(every, out or run_folder / REPORTS[1 if compare else 0])
     print_report(made)
     print(made.page)
 
@@ -270,6 +282,10 @@ def _print_json(data: object) -> None:
     import json
 
     print(json.dumps(data, indent=2))
+
+
+def _is_relative(path: Path) -> bool:
+    return not path.is_absolute() and not str(path).startswith("~")
 
 
 def _print_summary(summary: dict[str, Any]) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+import time
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -16,22 +18,33 @@ import pyarrow as pa
 
 from porous_swim.analysis.summary import summarize, summary_page
 from porous_swim.encounters import ENCOUNTERS, Encounters
-from porous_swim.errors import RunError
+from porous_swim.manifest import RECORDING
 from porous_swim.observers.base import Every, Observer
 from porous_swim.observers.progress import make_progress
 from porous_swim.observers.recording import Recording, recording_warning
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.results import Results, RunFolder
+from porous_swim.outputs import STATISTICS, TRAJECTORY, Outputs, writing
+from porous_swim.results import Results
+from porous_swim.run_folder import RunFolder
 from porous_swim.scales import Scales, with_physical
 from porous_swim.scene_identity import portable
 from porous_swim.stopwatch import Stopwatch
-from porous_swim.tables import COLLOIDS_SCHEMA, ENCOUNTERS_SCHEMA, LAGS_SCHEMA, TableInfo, make_table
+from porous_swim.tables import (
+    COLLOIDS_SCHEMA,
+    ENCOUNTERS_SCHEMA,
+    LAGS_SCHEMA,
+    TRAJECTORY_SCHEMA,
+    TableInfo,
+    make_table,
+)
 
 if TYPE_CHECKING:
     from porous_swim.simulation import Simulation
 
+KEEP_SECONDS = 60.0  # what a killed run may lose of its recording and trajectory
+NO_LOCKS = "The file system of the run folder has no locks: nothing keeps a second run out of the folder."
 PACKAGES = ("taichi", "numpy", "scipy", "pyarrow", "rerun-sdk", "pydantic")
 
 
@@ -47,7 +60,7 @@ class Observers:
         path = None if folder is None else folder.path
         recorded = np.arange(scene.n_recorded)
         self._series = TimeSeries(self.schedule)
-        self._trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / "trajectory.parquet")
+        self._trajectory = Trajectory(self.schedule, swimmers=recorded, path=path and path / TRAJECTORY)
         self.clock = make_progress(
             self.schedule, n_steps=scene.n_steps, n_swimmers=scene.swimmers.count, quiet=not progress,
             seconds=None if scene.unit_system is None else scene.unit_system.time,
@@ -56,100 +69,148 @@ class Observers:
         self._warnings = scene.warnings(simulation.field)
         self._recording: Recording | None = None
         self._last = -1, 0.0  # step and time of the last frame
+        self._run_id = uuid.uuid4().hex if folder is None else folder.run_id
+        self._outputs = Outputs(folder, say=progress)
+        self._kept, self._ended = time.monotonic(), False
+        if folder is not None and not folder.locks:
+            self._warnings.append(NO_LOCKS)
         if path is not None and recording:
-            self._record(path / "recording.rrd", recorded)
+            self._record(path / RECORDING, recorded)
+        if path is not None:
+            self._outputs.spare = {TRAJECTORY: self._trajectory, RECORDING: self._recording}
 
     def observe(self) -> None:
         """Show the present frame to everyone, unless they have seen it."""
         if self._last[0] == self._simulation.step:
             return
-        news = self._recording is not None and self._recording.wants_news
+        news = self._recording is None or self._recording.wants_news  # without one they are let go, if any are kept
         with self._watch.timing("statistics"):
             everyone = self._simulation.everyone()
         with self._watch.timing("recording"):
             frame = self._simulation.frame(self._simulation.scene.n_recorded, everyone=everyone, news=news)
             self._last = frame.step, frame.time
-            for observer in self._all:
-                observer.observe(frame)
+            for observer in tuple(self._all):
+                with self._outputs.optional(self._name_of(observer)):
+                    observer.observe(frame)
+            self._forget_lost()
+
+    def keep(self) -> None:
+        """Write what waits to disk, once a minute: a run that is killed leaves it."""
+        if time.monotonic() - self._kept < KEEP_SECONDS:
+            return
+        self._kept = time.monotonic()
+        with self._watch.timing("recording"):
+            with self._outputs.optional(TRAJECTORY):
+                self._trajectory.keep()
+            if self._recording is not None:
+                with self._outputs.optional(RECORDING):
+                    self._recording.keep()
+            self._forget_lost()
 
     def finish(self, *, interrupted: bool) -> None:
         """Let everyone close what is open."""
         for observer in self._all:
             observer.finish(interrupted=interrupted)
 
-    def results(self, *, rate: float | None) -> Results:
-        """Tables, summary and recording of a run that came to its end or was interrupted."""
+    def results(self, *, rate: float | None, signal: str | None = None) -> Results:
+        """Tables, summary and recording of a run that came to its end or was interrupted, by the `signal` of this name.
+
+        RunError where a file could not be written: the others are there, and the summary says which one is not.
+        """
         simulation = self._simulation
         interrupted = simulation.step < simulation.scene.n_steps
         if self._recording is not None and self._recording.is_behind:
             self._recording.catch_up(simulation.frame(simulation.scene.n_recorded))
-        return self._results(
-            "interrupted" if interrupted else "finished", simulation.engine.encounter_parts(),
-            time=simulation.time, rate=rate, warnings=self._warnings,
+        results = self._results(
+            "interrupted" if interrupted else "finished", simulation.engine.encounter_parts,
+            time=simulation.time, rate=rate, warnings=self._warnings, signal=signal,
         )  # fmt: skip
+        self._outputs.complain()
+        return results
 
-    def rescue(self, error: RunError) -> None:
+    def rescue(self, error: Exception) -> None:
         """Keep what was seen before a run failed; where even that fails, the run's own error is what matters."""
+        if self._ended:
+            return
         time = self._last[1]
         missing = f"The run failed after time {time:g} a/U; encounters under way then are missing. ({error})"
         with suppress(Exception):
-            parts = (_ended_by(part, time) for part in self._simulation.engine.encounter_parts())
-            self._results("failed", parts, time=time, rate=None, warnings=[missing, *self._warnings])
-            return
-        with suppress(Exception):  # without them, and with the room on the disk that they took
-            self._simulation.engine.close()
-            lost = "The encounters of the run could not be written and are missing, and statistics of them too."
-            nothing = {field.name: np.zeros(0, field.type.to_pandas_dtype()) for field in ENCOUNTERS_SCHEMA}
-            self._results("failed", iter([nothing]), time=time, rate=None, warnings=[missing, lost, *self._warnings])
+            self._results(
+                "failed", lambda: (_ended_by(part, time) for part in self._simulation.engine.encounter_parts()),
+                time=time, rate=None, warnings=[missing, *self._warnings],
+            )  # fmt: skip
 
     def _results(
-        self, status: str, encounters: Iterator[dict[str, np.ndarray]], *, time: float, rate: float | None,
-        warnings: list[str],
+        self, status: str, encounters: Callable[[], Iterator[dict[str, np.ndarray]]], *, time: float,
+        rate: float | None, warnings: list[str], signal: str | None = None,
     ) -> Results:  # fmt: skip
-        provenance = provenance_of(self._simulation) | {"swimmer_steps_per_second": rate}
+        provenance = provenance_of(self._simulation) | {"swimmer_steps_per_second": rate, "run_id": self._run_id}
         info = replace(self._simulation.table_info(provenance), last_time=time)
         interrupted = status != "finished"
+        outputs = self._outputs
+        outputs.check_own()
+        outputs.say = False  # the last line will
         with self._watch.timing("recording"):
-            self._trajectory.finish(interrupted=interrupted)
             stored, tables = self._tables(encounters, info)
         with self._watch.timing("statistics"):
             D_r, dimensions = self._simulation.scene.rotational_diffusion, info.dimensions
             persistence = math.inf if D_r == 0.0 else 1.0 / ((dimensions - 1) * D_r)
-            statistics = summarize(
-                stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
-                persistence_time=persistence, warnings=warnings,
-            )  # fmt: skip
+            statistics: dict[str, Any] = {"warnings": warnings}
+            with outputs.optional(STATISTICS):
+                statistics = summarize(
+                    stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
+                    persistence_time=persistence, warnings=warnings,
+                )  # fmt: skip
         summary = {"status": status, "units": info.units, "provenance": provenance}
         summary |= with_physical(statistics, Scales.of(info.units))
         with self._watch.timing("recording"):
-            if self._recording is not None:
+            self._forget_lost()
+            if self._recording is not None and STATISTICS not in outputs.missing:
                 self._recording.set_summary(summary_page(summary))
-            self.finish(interrupted=interrupted)
+            for observer in tuple(self._all):
+                with outputs.optional(self._name_of(observer)):
+                    observer.finish(interrupted=interrupted)
+            if signal is not None and interrupted:
+                summary = {"status": status, "signal": signal} | summary
             results = Results(
-                stored, **tables, summary=summary, folder=None, info=info, scene=portable(self._simulation.scene)
-            )
-            if self._folder is None:
-                return results
-            with _writing(self._folder.path):
-                return self._folder.write_summary(results)
+                stored, **tables, summary=outputs.tell_missing(summary), folder=None, info=info,
+                scene=portable(self._simulation.scene),
+            )  # fmt: skip
+            if self._folder is not None:
+                with writing(self._folder.path):
+                    results = self._folder.write_summary(results)
+            self._ended = True
+            return results
 
     def _tables(
-        self, encounters: Iterator[dict[str, np.ndarray]], info: TableInfo
+        self, encounters: Callable[[], Iterator[dict[str, np.ndarray]]], info: TableInfo
     ) -> tuple[Encounters, dict[str, pa.Table]]:
-        """Encounters, and the other tables by name; on disk where there is a folder."""
-        parts = self._told(make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters)
-        path = None if self._folder is None else self._folder.path / ENCOUNTERS
-        with _writing(path):
-            stored = Encounters.written(parts, path)
+        """Encounters, and the other tables by name; on disk where there is a folder, what must not be lost first."""
+        outputs, folder = self._outputs, self._folder
         tables = {
             "colloids": colloid_table(self._simulation.field, info),
             "timeseries": self._series.table(info),
             "lags": lag_table(self._simulation, info),
         }
-        if self._folder is not None:
-            with _writing(self._folder.path):
-                self._folder.write_tables(tables)
-        return stored, {**tables, "trajectory": self._trajectory.table(info)}  # which writes itself
+        path = None if folder is None else folder.path / ENCOUNTERS
+
+        def write_encounters() -> Encounters:
+            parts = self._told(make_table(ENCOUNTERS_SCHEMA, columns, info=info) for columns in encounters())
+            with writing(path):
+                return Encounters.written(parts, path)
+
+        nothing = Encounters.in_memory(info.attach(ENCOUNTERS_SCHEMA.empty_table()))
+        stored = outputs.require(ENCOUNTERS, write_encounters, nothing)
+        self._simulation.engine.close()  # the log is a table now, or there is no room for one: that of the log is free
+        outputs.put_table("colloids", tables["colloids"], required=True)
+        for name in ("timeseries", "lags"):
+            outputs.put_table(name, tables[name])
+        trajectory = info.attach(TRAJECTORY_SCHEMA.empty_table())
+        if TRAJECTORY not in outputs.missing:
+            with outputs.optional(TRAJECTORY):
+                self._trajectory.finish(interrupted=False)
+                trajectory = self._trajectory.table(info)
+        return stored, {**tables, "trajectory": trajectory}
 
     def _told(self, parts: Iterable[pa.Table]) -> Iterator[pa.Table]:
         """Parts of the table of encounters, while the clock tells how many have been taken."""
@@ -158,6 +219,16 @@ class Observers:
             yield part
             n += len(part)
             self.clock.tabulate(n / max(n, n_captures, 1))
+
+    def _name_of(self, observer: Observer) -> str:
+        """The file of an observer; empty for one that has none."""
+        return {id(self._trajectory): TRAJECTORY, id(self._recording): RECORDING}.get(id(observer), "")
+
+    def _forget_lost(self) -> None:
+        """Show nothing more to those whose file was lost."""
+        self._all = [observer for observer in self._all if self._name_of(observer) not in self._outputs.missing]
+        if RECORDING in self._outputs.missing:
+            self._recording = None
 
     def _record(self, path: Path, recorded: np.ndarray) -> None:
         scene, field = self._simulation.scene, self._simulation.field
@@ -174,15 +245,6 @@ class Observers:
             provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
         )  # fmt: skip
         self._all.append(self._recording)
-
-
-@contextmanager
-def _writing(path: Path | None) -> Iterator[None]:
-    """Say which tables the disk has no room for."""
-    try:
-        yield
-    except OSError as error:
-        raise RunError(f"{path}: the tables cannot be written: {error.strerror or error}") from None
 
 
 def _ended_by(columns: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:

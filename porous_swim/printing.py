@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from typing import TextIO
 
 # Control characters but line breaks and tabs; those that turn the direction of writing; halves of surrogate pairs,
@@ -22,14 +23,63 @@ def printable(text: str) -> str:
     return _UNPRINTABLE.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
 
 
-def tell(line: str, stream: TextIO) -> None:
-    """Write a line of progress at once. Where its reader has gone the work goes on, unheard."""
+def tell(line: str, stream: TextIO | None) -> None:
+    """Write a line of progress at once. Where it cannot be written (a reader gone, a full disk) work goes on, unheard.
+
+    None is the `sys.stderr` of a process that was started with a closed one.
+    """
+    if stream is None:
+        return
     try:
         print(printable(line), file=stream, flush=True)
-    except BrokenPipeError:
+    except (OSError, ValueError):  # ValueError: the stream was closed
         silence(stream)
 
 
 def silence(stream: TextIO) -> None:
     """Send what `stream` still holds, and what comes, to nobody: Python would complain of it once more at its end."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+class Unfailing:
+    """A stream for a library that draws on it: what cannot be written is dropped."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self.encoding = getattr(stream, "encoding", "utf-8")
+
+    def write(self, text: str) -> int:
+        """Write, or drop this and what comes."""
+        try:
+            return self._stream.write(text)
+        except (OSError, ValueError):
+            silence(self._stream)
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or drop what waits."""
+        try:
+            self._stream.flush()
+        except (OSError, ValueError):
+            silence(self._stream)
+
+    def isatty(self) -> bool:
+        """Whether it is a terminal."""
+        return self._stream.isatty()
+
+    def fileno(self) -> int:
+        """Of the stream itself."""
+        return self._stream.fileno()
+
+
+def fill_closed_streams() -> None:
+    """Open the null device where stdin, stdout or stderr is closed.
+
+    The next file that is opened would get their number, and a library that complains on stderr would write into it.
+    """
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, which is this one

@@ -1,37 +1,26 @@
-"""The results of a run, the folder that keeps them, and how they are read back.
+"""The results of a run, and how they are read back from its folder.
 
 Reading needs neither Taichi nor a GPU.
 """
 
 from __future__ import annotations
 
-import itertools
 import json
-import os
-import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
-from porous_swim.encounters import ENCOUNTERS, ROWS, Encounters
+from porous_swim.encounters import ENCOUNTERS, MANY, Encounters
 from porous_swim.errors import ResultsError
+from porous_swim.manifest import SUMMARY, Manifest
+from porous_swim.paths import absolute
 from porous_swim.results_check import checked
-from porous_swim.tables import PART, SCHEMAS, TableInfo, read_table, write_table
-
-SUMMARY = "summary.json"
-REPORT = "report"  # folder of the page that `porous-swim report` makes of a run
-RUN_FILES = (
-    SUMMARY,
-    "scene.yaml",
-    "recording.rrd",
-    "checkpoint.npz",
-    ROWS,
-    *(f"{name}.parquet" for name in SCHEMAS),
-)
+from porous_swim.run_lock import who_ran
+from porous_swim.tables import SCHEMAS, TableInfo, read_table
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,9 +43,10 @@ class Results:
         """What they are of, in a line."""
         name, status = self.info.provenance.get("scene", "a run"), self.summary.get("status", "status not known")
         where = "in memory" if self.folder is None else f"in {self.folder}"
+        missing = "".join(f", without {each}" for each in self.summary.get("missing", {}))
         return (
             f"<Results of {name}, {status}: {self.info.n_swimmers} swimmers, {self.info.duration:g} a/U, "
-            f"{len(self.stored)} encounters, {where}>"
+            f"{len(self.stored)} encounters{missing}, {where}>"
         )
 
     @cached_property
@@ -65,86 +55,74 @@ class Results:
         return self.stored.table()
 
 
-def load_results(folder: Path | str) -> Results:
-    """Read a run folder; `ResultsError` says what is missing or damaged."""
-    folder = Path(folder)
+def load_results(folder: Path | str, *, verify: bool = False) -> Results:
+    """Read a run folder; a table that its run could not write is empty, and `summary["missing"]` says why.
+
+    Every table must be of the run and of the size that its summary says, and of the same checksum where it is read
+    whole. A longer table of encounters is checked page by page as it is read; `verify` compares the checksums of all
+    files, the recording too: a second for each GB or so.
+
+    Raises:
+        ResultsError: the folder is no run that ended, or a file is missing, damaged or of another run.
+    """
+    folder = absolute(folder)
     if not folder.is_dir():
         raise ResultsError(f"{folder}: there is no such run folder")
     summary = _read_summary(folder / SUMMARY)
-    stored = Encounters.at(folder / ENCOUNTERS)
+    manifest = Manifest.of(summary, folder)
+    for name in manifest.files if verify else ():
+        manifest.check(name, whole=True)
+    stored = _encounters(manifest)
     others = {name: schema for name, schema in SCHEMAS.items() if name != "encounters"}
-    tables = {name: read_table(folder / f"{name}.parquet", schema) for name, schema in others.items()}
-    try:
-        info = TableInfo.of(stored)
-    except ResultsError as error:
-        raise ResultsError(f"{folder / ENCOUNTERS}: {error}") from error
+    found = {name: _table(manifest, name, schema) for name, schema in others.items()}
+    infos = {}
+    for name, source in {"encounters": stored, **found}.items():
+        if source is not None:
+            path = folder / f"{name}.parquet"
+            try:
+                infos[name] = TableInfo.of(source)
+            except ResultsError as error:
+                raise ResultsError(f"{path}: {error}") from error
+            manifest.check_run(path.name, infos[name])
+            manifest.check_rows(path.name, len(source))
+    if "colloids" not in infos:
+        raise ResultsError(f"{folder}: the run could not write its colloids ({manifest.missing['colloids.parquet']})")
+    info = infos.get("encounters", infos["colloids"])
+    tables = {
+        name: info.attach(others[name].empty_table()) if table is None else table for name, table in found.items()
+    }
+    stored = Encounters.in_memory(info.attach(SCHEMAS["encounters"].empty_table())) if stored is None else stored
     return checked(Results(stored, **tables, summary=summary, folder=folder, info=info), folder)
+
+
+def _encounters(manifest: Manifest) -> Encounters | None:
+    """The encounters of a folder; None where its run could not write them."""
+    path = manifest.folder / ENCOUNTERS
+    if ENCOUNTERS in manifest.missing and not path.exists():
+        return None
+    record = manifest.files.get(ENCOUNTERS)
+    manifest.check(ENCOUNTERS, whole=record is not None and (record.rows or 0) <= MANY)
+    return Encounters.at(path)
+
+
+def _table(manifest: Manifest, name: str, schema: pa.Schema) -> pa.Table | None:
+    """Another table of a folder; None where its run could not write it."""
+    path = manifest.folder / f"{name}.parquet"
+    if path.name in manifest.missing and not path.exists():
+        return None
+    manifest.check(path.name, whole=True)
+    return read_table(path, schema)
 
 
 def _read_summary(path: Path) -> dict[str, Any]:
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise ResultsError(
-            f"{path.parent}: no {SUMMARY}, which a run writes last, so this is no run folder or its run died"
-        ) from error
+        run = who_ran(path.parent)
+        what = "is no run folder or its run died" if run is None else f"run is under way or died ({run})"
+        raise ResultsError(f"{path.parent}: no {SUMMARY}, which a run writes last, so this {what}") from error
     except (OSError, ValueError, RecursionError) as error:
         raise ResultsError(f"{path}: cannot be read as JSON ({error})") from error
     if not isinstance(summary, dict):
         raise ResultsError(f"{path}: found a {type(summary).__name__} where a map belongs")
     return summary
-
-
-@dataclass(frozen=True)
-class RunFolder:
-    """A folder that one run fills. `summary.json` comes last: without it the run is not finished."""
-
-    path: Path
-
-    @classmethod
-    def next_free(cls, name: str, *, parent: Path | str = "runs") -> RunFolder:
-        """Create `parent/name`, or `parent/name-2`, `parent/name-3`, ... where that exists."""
-        for number in itertools.count(1):
-            path = Path(parent) / (name if number == 1 else f"{name}-{number}")
-            try:
-                path.mkdir(parents=True)
-            except FileExistsError:
-                continue
-            except OSError as error:
-                raise ResultsError(f"{path}: cannot be created as a run folder ({error.strerror})") from error
-            return cls(path)
-        raise AssertionError("unreachable: numbers do not end")
-
-    @classmethod
-    def at(cls, path: Path | str, *, overwrite: bool = False) -> RunFolder:
-        """Create `path` or take it where it is empty; `overwrite` removes an earlier run and its report."""
-        path = Path(path)
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-            if not overwrite and any(path.iterdir()):
-                raise ResultsError(f"{path}: the folder is not empty; overwrite it (--force) or name another")
-            for name in RUN_FILES:  # the summary first: half an old run must not look finished
-                (path / name).unlink(missing_ok=True)
-                (path / (name + PART)).unlink(missing_ok=True)
-            shutil.rmtree(path / REPORT, ignore_errors=True)  # it tells of the run that was there
-        except OSError as error:
-            raise ResultsError(f"{path}: cannot be used as a run folder ({error.strerror})") from error
-        return cls(path)
-
-    def write(self, results: Results) -> Results:
-        """Write tables and summary, this last; return `results` with this folder in it."""
-        stored = Encounters.written(results.stored.parts(), self.path / ENCOUNTERS)
-        self.write_tables({name: getattr(results, name) for name in SCHEMAS if name != "encounters"})
-        return self.write_summary(replace(results, stored=stored))
-
-    def write_tables(self, tables: Mapping[str, pa.Table]) -> None:
-        """Write tables by name."""
-        for name, table in tables.items():
-            write_table(table, self.path / f"{name}.parquet")
-
-    def write_summary(self, results: Results) -> Results:
-        """Write the summary, where all tables are there; return `results` with this folder in it."""
-        part = self.path / (SUMMARY + PART)
-        part.write_text(json.dumps(results.summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        os.replace(part, self.path / SUMMARY)
-        return replace(results, folder=self.path)

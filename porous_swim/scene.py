@@ -136,6 +136,12 @@ class Scene(Part):
         return self.run.seed if own is None else own
 
     @property
+    def inputs(self) -> list[Path]:
+        """All files that make the scene: its own, unless it came from Python, and those that it names."""
+        own = [] if self._document.file is None else [Path(self._document.file)]
+        return [*own, *self.files.values()]
+
+    @property
     def n_steps(self) -> int:
         """Number of steps of the run."""
         return round(self.run.duration / self.run.time_step)

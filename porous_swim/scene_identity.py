@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import filecmp
 import hashlib
 import json
 import shutil
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from porous_swim.manifest import RUN_NAMES
 from porous_swim.yaml_core import write_yaml
 
 if TYPE_CHECKING:
@@ -53,16 +56,34 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def copies(scene: Scene, folder: Path) -> dict[str, str]:
+    """Return the names that copies of the files that a scene names get in `folder`, by dotted key.
+
+    None has the name of a file that a run writes, nor that of a file of other content that is there.
+    """
+    names: dict[str, str] = {}
+    for key, path in scene.files.items():
+        section = key.split(".")[0]
+        numbered = (f"{section}{number}_{path.name}" for number in ("", *range(2, 1 << 16)))
+        taken = {*RUN_NAMES, *(name.casefold() for name in names.values())}
+        names[key] = next(
+            name for name in chain([path.name], numbered) if name.casefold() not in taken and _fits(path, folder / name)
+        )
+    return names
+
+
+def _fits(path: Path, place: Path) -> bool:
+    """Whether a copy of a file at `place` overwrites nothing."""
+    return not place.exists() or (place.is_file() and filecmp.cmp(path, place, shallow=False))
+
+
 def save(scene: Scene, folder: Path) -> None:
     """Write `scene.yaml` into `folder` and copy the files that it names beside it: it runs from there."""
-    data = resolved(scene)
-    taken = {"scene.yaml"}
+    data, names = resolved(scene), copies(scene, folder)
     for key, path in scene.files.items():
-        name = path.name if path.name not in taken else f"{key.split('.')[0]}_{path.name}"
-        taken.add(name)
-        if not (folder / name).exists() or not path.samefile(folder / name):  # a run of a run's own scene
-            shutil.copyfile(path, folder / name)
-        _section(data, key)["path"] = name
+        if not (folder / names[key]).exists():  # else it is there already, of a scene that is saved where it lies
+            shutil.copyfile(path, folder / names[key])
+        _section(data, key)["path"] = names[key]
     (folder / "scene.yaml").write_text(write_yaml(data), encoding="utf-8")
 
 

@@ -6,6 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,10 @@ from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, F
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
 from porous_swim.printing import tell
-from porous_swim.results import Results, RunFolder
+from porous_swim.results import Results
+from porous_swim.run_folder import RunFolder
 from porous_swim.scene import Scene
+from porous_swim.scene_identity import copies
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.swarm import Swimmers
 from porous_swim.tables import TableInfo
@@ -160,20 +163,24 @@ def run(
     Args:
         scene: what to run.
         out: the run folder; None keeps everything in memory, without a recording.
-        overwrite: allow `out` to hold an earlier run, whose files are replaced.
+        overwrite: allow `out` to hold an earlier run, whose files are replaced; no other file is touched.
         progress: say on stderr how far the run is.
         recording: write `recording.rrd`.
 
     Raises:
         SceneError: colloids overlap or swimmers do not fit.
         DeviceError: the device of the scene is not here.
-        ResultsError: `out` is not empty, or cannot be written.
-        RunError: a swimmer could not go on, or the disk is full; `out` keeps what was seen before, as far as it can.
+        ResultsError: `out` is not empty, another run is under way in it, or it cannot be written.
+        RunError: a swimmer could not go on, or a file could not be written; `out` keeps what was seen, as far as it
+            can, and its summary says what is missing.
 
-    An interrupt (Ctrl-C, SIGTERM) ends the run at the next look; the results say `interrupted`.
+    An interrupt (Ctrl-C, SIGTERM, SIGHUP) ends the run at the next look; the results say `interrupted`.
     """
+    say = (lambda line: tell(line, sys.stderr)) if progress else None
     return run_in(
-        lambda: None if out is None else RunFolder.at(out, overwrite=overwrite),
+        lambda: (
+            None if out is None else RunFolder.at(out, overwrite=overwrite, inputs=scene.inputs, say=say)
+        ),
         scene=scene, progress=progress, recording=recording,
     )  # fmt: skip
 
@@ -183,11 +190,12 @@ def run_in(
 ) -> Results:
     """The same in a folder that is made only when the scene is known to start, so that a mistake costs no old run."""
     watch = Stopwatch()
-    with Interrupts() as interrupts:
+    with Interrupts() as interrupts, ExitStack() as stack:
         with watch.timing("placing"):
             start = Start.of(scene)
         folder = make_folder()
         if folder is not None:
+            stack.enter_context(folder)
             _save_scene(scene, folder)
         if progress:
             tell(_device_line(scene, start.backend), sys.stderr)
@@ -195,18 +203,17 @@ def run_in(
             recording = recording and folder is not None
             log_path = None if folder is None else folder.path / ROWS
             simulation = Simulation(scene, start, news=recording, log_path=log_path)
+        stack.callback(simulation.engine.close)
         observers = Observers(simulation, folder, watch, progress=progress, recording=recording)
         try:
             rate = _advance(simulation, observers, interrupts, watch)
-            results = observers.results(rate=rate)
-        except RunError as error:
+            results = observers.results(rate=rate, signal=interrupts.name)
+        except Exception as error:
             observers.rescue(error)
             raise
         except BaseException:
             observers.finish(interrupted=True)
             raise
-        finally:
-            simulation.engine.close()
         if progress:
             tell(watch.line(), sys.stderr)
         return results
@@ -227,6 +234,7 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
         at_once = _next_launch(at_once, time.perf_counter() - last, unit=simulation.scene.flight_ticks)
         if simulation.step == due:
             observers.observe()
+        observers.keep()
     observers.observe()  # an interrupt may come between two frames
     observers.clock.end(interrupted=simulation.step < end)
     steps = simulation.step * simulation.engine.n_swimmers
@@ -250,6 +258,7 @@ def _device_line(scene: Scene, started: Backend) -> str:
 
 def _save_scene(scene: Scene, folder: RunFolder) -> None:
     try:
+        folder.claim(name for name in copies(scene, folder.path).values() if not (folder.path / name).exists())
         scene.save(folder.path)
     except OSError as error:
         raise RunError(f"{folder.path}: the scene cannot be written: {error.strerror or error}") from None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -140,26 +140,35 @@ def make_table(schema: pa.Schema, columns: Mapping[str, np.ndarray], *, info: Ta
     return info.attach(pa.Table.from_arrays(arrays, schema=schema))
 
 
-def writer_of(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
-    """A writer of a Parquet file, compressed."""
-    # numbers that are hardly ever equal make a dictionary as large as themselves
-    repeated = [field.name for field in schema if not pa.types.is_floating(field.type)]
-    return pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=repeated)
+def writer_of(path: Path, schema: pa.Schema, *, repeated: Sequence[str] | None = None) -> pq.ParquetWriter:
+    """A writer of a Parquet file, compressed, with a checksum of each page.
+
+    `repeated` are columns of few values, by default those that are no real numbers.
+    """
+    if repeated is None:  # numbers that are hardly ever equal make a dictionary as large as themselves
+        repeated = [field.name for field in schema if not pa.types.is_floating(field.type)]
+    return pq.ParquetWriter(
+        path, schema, compression="zstd", use_dictionary=list(repeated), write_page_checksum=True
+    )  # fmt: skip
 
 
 def write_table(table: pa.Table, path: Path | str) -> None:
     """Write `table` as Parquet; `path` appears only when it is complete."""
     path = Path(path)
     part = path.with_name(path.name + PART)
-    with writer_of(part, table.schema) as writer:
-        writer.write_table(table)
-    os.replace(part, path)
+    try:
+        with writer_of(part, table.schema) as writer:
+            writer.write_table(table)
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def open_table(path: Path) -> pq.ParquetFile:
     """A Parquet file; `ResultsError` where it is missing or damaged."""
     try:
-        return pq.ParquetFile(path)
+        return pq.ParquetFile(path, page_checksum_verification=True)
     except FileNotFoundError as error:
         raise ResultsError(f"{path}: the table is missing") from error
     except (OSError, pa.ArrowException) as error:

@@ -84,7 +84,7 @@ def test_a_folder_in_use_is_kept_unless_forced(scene, failed, tmp_path):
     assert "blue" in failed("run", scene, "--out", "mine", "--force", "--set", "run.device=blue")
     failed("run", scene, "--out", "mine", "--force", "--set", "swimmers.release={kind: point, position: [0, 0]}")
     assert (tmp_path / "mine/summary.json").read_bytes() == before
-    (tmp_path / "mine/report").mkdir()
+    porous_swim("report", "mine", cwd=tmp_path)
     assert porous_swim("run", scene, "--quiet", "--out", "mine", "--force", cwd=tmp_path).returncode == 0
     assert not (tmp_path / "mine/report").exists()
     assert json.loads((tmp_path / "mine/summary.json").read_text())["provenance"]["seed"] == 1
@@ -147,20 +147,21 @@ def test_an_unknown_option_is_answered_with_the_usage(tmp_path):
     assert "Traceback" not in result.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupted_run_is_readable_and_says_so(number, scene, tmp_path):
     child = start("run", scene, *NO_END, cwd=tmp_path)
     _wait_for(tmp_path / "runs/small/recording.rrd.part")
     time.sleep(0.5)
     child.send_signal(number)
     stdout, stderr = child.communicate(timeout=60)
-    assert child.returncode == 130, stderr
+    assert child.returncode == 128 + number, stderr
     assert stdout.splitlines()[-1] == "runs/small"
     assert "interrupted at time" in stderr.splitlines()[-1]
     assert "Traceback" not in stderr
     assert {path.name for path in (tmp_path / "runs/small").iterdir()} == RUN_FILES
     results = ps.load_results(tmp_path / "runs/small")
-    assert results.summary["status"] == "interrupted"
+    assert (results.summary["status"], results.summary["signal"]) == ("interrupted", number.name)
     last = results.timeseries["time"].to_numpy()[-1]
     assert results.info.last_time == last > 0.0
     assert results.trajectory["time"].to_numpy()[-1] == last
@@ -247,10 +248,13 @@ def test_a_full_disk_is_one_sentence_with_status_1(recording, scene, tmp_path):
     result = porous_swim(*arguments, "--out", "full", cwd=tmp_path, preexec_fn=limit)
     assert result.returncode == 1, result.stderr
     sentence = result.stderr.splitlines()[-1]
-    assert sentence.startswith("full/"), result.stderr
+    assert sentence.startswith(f"{tmp_path}/full/"), result.stderr
     assert "Traceback" not in result.stderr  # Rerun may have logged lines of its own
-    summary = tmp_path / "full/summary.json"
-    assert not summary.exists() or json.loads(summary.read_text())["status"] == "failed"
+    results = ps.load_results(tmp_path / "full")
+    assert results.summary["status"] == "failed"
+    assert set(results.summary["missing"]) == {"trajectory.parquet", *(["recording.rrd"] if recording else [])}
+    assert results.timeseries.num_rows == 1001
+    assert results.encounters.num_rows > 0
 
 
 def test_check_names_counts_numbers_and_doubts_without_running(tmp_path):

@@ -19,7 +19,7 @@ from porous_swim.observation import Observers
 from porous_swim.observers import network
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
-from porous_swim.results import RunFolder
+from porous_swim.run_folder import RunFolder
 from porous_swim.stopwatch import Stopwatch
 
 # a box so small that swimmers hop across its border; weaker dipoles than a crystal's leave sooner

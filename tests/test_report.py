@@ -193,7 +193,7 @@ def test_comparing_lays_runs_over_each_other(runs, tmp_path):
 def test_equal_runs_give_equal_pages_and_figures(runs, pages, tmp_path):
     again = ps.report(runs["crystal"], tmp_path)
     files = [sorted(path.parent.rglob("*.*")) for path in (pages["crystal"].path, again)]
-    assert {path.suffix for path in files[0]} == {".html", ".svg", ".png"}
+    assert {path.suffix for path in files[0]} == {".html", ".svg", ".png", ".json"}
     assert [path.name for path in files[0]] == [path.name for path in files[1]]
     assert all(a.read_bytes() == b.read_bytes() for a, b in zip(*files, strict=True))
 
@@ -435,7 +435,7 @@ def test_the_last_line_is_the_page_and_the_first_ones_are_the_summary(called, ru
     status, out, err = called(runs["bullseye"].folder, "--out", tmp_path / "mine")
     assert (status, err) == (0, "")
     assert Path(out.splitlines()[-1]) == tmp_path / "mine/report.html"
-    assert {path.name for path in (tmp_path / "mine").iterdir()} == {"report.html", "figures"}
+    assert {path.name for path in (tmp_path / "mine").iterdir()} == {"report.html", "figures", "files.json"}
     value = f"{runs['bullseye'].summary['fractions']['bound']['value']:.3f}"
     (line,) = [line for line in out.splitlines() if line.startswith("fraction of time bound")]
     assert value[:4] in line

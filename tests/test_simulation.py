@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from commands import SMALL, small_scene
 from rerun.chunk import RrdReader
@@ -165,3 +167,30 @@ def test_a_swimmer_that_fails_is_named_and_what_was_seen_is_kept(scene, tmp_path
         ended.select(["swimmer", "end_time"])
     )
     RrdReader(tmp_path / "run/recording.rrd").store()
+
+
+@pytest.mark.parametrize("seconds", [0.0, 1e9])
+def test_a_run_that_is_killed_leaves_on_disk_what_was_recorded_until_a_minute_before(
+    seconds, scene, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("porous_swim.observation.KEEP_SECONDS", seconds)
+    advance, there = ps.Simulation.advance, tmp_path / "run"
+    whole = ps.run(scene)
+
+    def copy_at_500(simulation: ps.Simulation, n_steps: int) -> None:
+        if simulation.step == 500:
+            shutil.copytree(there, tmp_path / "killed")
+        advance(simulation, n_steps)
+
+    monkeypatch.setattr(ps.Simulation, "advance", copy_at_500)
+    results = ps.run(scene, out=there)
+    assert columns_of(results.trajectory) == columns_of(whole.trajectory)
+    n_frames = 6 if seconds == 0.0 else 0  # times 0 to 0.5
+    rows = tmp_path / "killed/trajectory.parquet.rows.part"
+    kept = [] if rows.stat().st_size == 0 else list(pa.ipc.open_stream(rows.read_bytes()))
+    assert sum(len(batch) for batch in kept) == 20 * n_frames
+    if kept:
+        assert columns_of(pa.Table.from_batches(kept)) == columns_of(whole.trajectory.slice(0, 20 * n_frames))
+    for entity in ("/world/swimmers", "/series/msd"):
+        chunks = RrdReader(tmp_path / "killed/recording.rrd.part").stream().filter(content=entity)
+        assert sum(chunk.num_rows for chunk in chunks if not chunk.is_static) == n_frames

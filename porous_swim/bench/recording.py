@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from porous_swim.bench.figure import Conditions, Figure, Setting
 from porous_swim.observation import Observers
-from porous_swim.results import RunFolder
+from porous_swim.run_folder import RunFolder
 from porous_swim.scene import load_scene
 from porous_swim.simulation import Simulation
 from porous_swim.stopwatch import Stopwatch

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Protocol, TextIO
+from typing import Protocol, TextIO, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from porous_swim.observers.base import Every, Frame
-from porous_swim.printing import tell
+from porous_swim.printing import Unfailing, tell
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
 
@@ -41,9 +41,12 @@ def make_progress(
     schedule: Every, *, n_steps: int, n_swimmers: int, quiet: bool, stream: TextIO | None = None,
     seconds: float | None = None,
 ) -> Clock:  # fmt: skip
-    """The progress that suits `stream` (stderr by default): none, a bar, or lines; `seconds` are those in a/U."""
+    """The progress that suits `stream` (stderr by default): none, a bar, or lines; `seconds` are those in a/U.
+
+    None where stderr is closed.
+    """
     stream = stream or sys.stderr
-    if quiet:
+    if quiet or stream is None:
         return NoProgress(schedule)
     kind = ProgressBar if stream.isatty() else ProgressLines
     return kind(schedule, n_steps=n_steps, n_swimmers=n_swimmers, stream=stream, seconds=seconds)
@@ -147,7 +150,9 @@ class ProgressBar:
         self.schedule, self._seconds = schedule, seconds
         self._rate = _Rate(n_swimmers=n_swimmers)
         columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
-        self._bar = Bar(*columns, console=Console(file=stream), transient=True, refresh_per_second=4)
+        self._bar = Bar(
+            *columns, console=Console(file=cast(TextIO, Unfailing(stream))), transient=True, refresh_per_second=4
+        )
         self._task = self._bar.add_task("compiling", total=n_steps, start=False)
         self._bar.start()
 

@@ -64,7 +64,7 @@ class Track(Protocol):
         """Take in one frame."""
 
     def finish(self) -> None:
-        """Send what waits."""
+        """Send what waits; a picture, drawn anew, only at the end."""
 
 
 class Recording:
@@ -145,6 +145,25 @@ class Recording:
         self._last = frame
         if self._crowded:
             self._visited |= set(frame.colloid[self._trails].tolist()) - {-1}
+
+    def keep(self) -> None:
+        """Write the rows that wait: what is on disk outlives a run that is killed."""
+        if self._file is None or self._failed or self._finished:
+            return
+        try:
+            for track in self._tracks:
+                if not isinstance(track, Pictures):
+                    track.finish()
+            self._file.flush()
+        except RunError:
+            self._failed = True
+            raise
+
+    def drop(self) -> None:
+        """Give the recording up, and the room on the disk that it takes."""
+        self._failed = True
+        if self._file is not None:
+            self._file.drop()
 
     def finish(self, *, interrupted: bool) -> None:
         """Send what waits, write the page of text, close and check the file, and give it its name."""

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import rerun as rr
@@ -108,12 +110,20 @@ class RecordingFile:
         rr.unregister_shutdown()
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.stream))
 
+    def drop(self) -> None:
+        """Give the file up, and its room first: the SDK may hold it open until the process ends."""
+        self._abandon()
+        with suppress(OSError):
+            os.truncate(self._part, 0)
+            self._part.unlink()
+
     def close(self) -> None:
         """Write the footer, check that it can be read, and give the file its name."""
         self.flush()
         self.stream.disconnect()
         try:
-            RrdReader(self._part).store()
+            with warnings.catch_warnings(action="ignore", category=rr.error_utils.RerunWarning):  # it ends in an error
+                RrdReader(self._part).store()
         except (RuntimeError, ValueError, OSError) as error:
             raise RunError(f"{self._part}: the recording is cut short, is the disk full? ({_reason(error)})") from None
         os.replace(self._part, self.path)

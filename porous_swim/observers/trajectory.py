@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from porous_swim.errors import RunError
 from porous_swim.observers.base import Every, Frame
-from porous_swim.tables import TRAJECTORY_SCHEMA, TableInfo
+from porous_swim.tables import PART, TRAJECTORY_SCHEMA, TableInfo, writer_of
 
 _NAMES = ["time", "swimmer", "colloid", "image_x", "image_y", "image_z", "state"]  # columns of few values
 _GROUP_ROWS = 1 << 17  # in a row group: 11 MB, large enough to compress, small enough to hold
@@ -34,7 +34,7 @@ class Trajectory:
         self._writer: pa.ipc.RecordBatchStreamWriter | None = None
         self._failed = False
         if self._path is not None:
-            self._rows_path = self._path.with_name(self._path.name + ".rows.part")
+            self._rows_path = self._path.with_name(self._path.name + ".rows" + PART)
             try:
                 self._writer = pa.ipc.new_stream(self._rows_path, TRAJECTORY_SCHEMA)  # cheap: it is read once
             except OSError as error:
@@ -48,6 +48,22 @@ class Trajectory:
         if self._n_waiting >= _GROUP_ROWS:
             self._write()
 
+    def keep(self) -> None:
+        """Write the rows that wait: what is on disk outlives a run that is killed."""
+        if not self._failed and self._writer is not None:
+            self._write()
+
+    def drop(self) -> None:
+        """Give the table up, and the room on the disk that it takes."""
+        self._failed = True
+        self._waiting, self._n_waiting = {}, 0
+        with suppress(OSError, pa.ArrowException):
+            if self._writer is not None:
+                self._writer.close()
+        if self._path is not None:
+            for suffix in (".rows" + PART, PART):
+                self._path.with_name(self._path.name + suffix).unlink(missing_ok=True)
+
     def finish(self, *, interrupted: bool) -> None:
         """Write the rows that wait; an interrupted run keeps all rows up to its end."""
         if not self._failed:
@@ -59,15 +75,14 @@ class Trajectory:
             self._write()
             return info.attach(pa.Table.from_batches(self._batches, schema=TRAJECTORY_SCHEMA))
         assert self._writer is not None
-        part = self._path.with_name(self._path.name + ".part")
+        part = self._path.with_name(self._path.name + PART)
         try:
             self._writer.close()
             # the schema stands at the front of a file, and the time of the last row is known only now: copy
             with pa.OSFile(str(self._rows_path)) as file, pa.ipc.open_stream(file) as rows:
                 table = info.attach(rows.read_all())
-            with pq.ParquetWriter(part, table.schema, compression="zstd", use_dictionary=_NAMES) as complete:
-                for batch in table.to_batches():
-                    complete.write_batch(batch)
+            with writer_of(part, table.schema, repeated=_NAMES) as complete:
+                complete.write_table(table, row_group_size=_GROUP_ROWS)
             os.replace(part, self._path)
             self._rows_path.unlink()
             return table

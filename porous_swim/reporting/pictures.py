@@ -9,6 +9,7 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+KINDS = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}  # and what is not to stand in them
 DOTS_PER_INCH = 150
 PIXELS_PER_INCH = 96  # of a page
 LARGEST_SVG = 400_000  # bytes; beyond, a page shows the PNG
@@ -28,7 +29,7 @@ def write_picture(figure: Figure, folder: Path, name: str) -> Picture:
     """Write `name.svg` and `name.png` into a folder; equal figures give equal files."""
     files = {}
     with rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
-        for kind, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
+        for kind, metadata in KINDS.items():
             buffer = io.BytesIO()
             figure.savefig(buffer, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
             files[kind] = buffer.getvalue()

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from porous_swim.errors import ResultsError
+from porous_swim.manifest import FIGURES, list_report
+from porous_swim.paths import absolute
 from porous_swim.reporting import (
     density,
     directors,
@@ -23,13 +26,13 @@ from porous_swim.reporting import (
 from porous_swim.reporting.doubts import doubts
 from porous_swim.reporting.numbers import both, counted
 from porous_swim.reporting.page import html
-from porous_swim.reporting.pictures import write_picture
+from porous_swim.reporting.pictures import KINDS, write_picture
 from porous_swim.reporting.run import Run, runs_of, scales_of
 from porous_swim.reporting.section import Section
 from porous_swim.results import Results
+from porous_swim.tables import PART
 
 PAGE = "report.html"
-FIGURES = "figures"
 SECTIONS: tuple[Callable[[Sequence[Run]], Section], ...] = (
     medium.section,
     fractions.section,
@@ -72,6 +75,8 @@ def write_report(every: Sequence[Results], out: Path) -> Report:
     """The same, with what the terminal is to say."""
     if not every:
         raise ResultsError("report: found no results, one or more are wanted")
+    absolute(out)  # a path that can be written and printed
+    out = out.expanduser()
     runs = runs_of(every)
     sections = [make(runs) for make in SECTIONS]
     found = [sentence for run in runs for sentence in doubts(run)]
@@ -79,12 +84,16 @@ def write_report(every: Sequence[Results], out: Path) -> Report:
     warnings = _run_by_run(runs, list(dict.fromkeys(found)))
     try:
         (out / FIGURES).mkdir(parents=True, exist_ok=True)
+        drawn = [section.name for section in sections if section.draw is not None]
+        list_report(out, [PAGE, PAGE + PART, *(f"{FIGURES}/{name}.{kind}" for name in drawn for kind in KINDS)])
         pictures = {
             section.name: write_picture(section.draw(), out / FIGURES, section.name)
             for section in sections
             if section.draw is not None
         }
-        (out / PAGE).write_text(html(_title(runs), _lead(runs), sections, pictures, warnings), encoding="utf-8")
+        part = out / (PAGE + PART)
+        part.write_text(html(_title(runs), _lead(runs), sections, pictures, warnings), encoding="utf-8")
+        os.replace(part, out / PAGE)
     except OSError as error:
         raise ResultsError(f"{out}: the report cannot be written ({error.strerror})") from error
     return Report(out / PAGE, runs, warnings)
