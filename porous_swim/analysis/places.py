@@ -59,10 +59,11 @@ def neighbour_distances(colloids: pa.Table, *, box: tuple[float, float, float]) 
         nearest = distance[:, 0] if distance.shape[1] else np.full(n, np.inf)
         beyond = np.where(distance > nearest[:, None] * SAME_DISTANCE, distance, np.inf)
         second = np.min(beyond, axis=1, initial=np.inf)
-        missing = bool(np.any(np.isinf(second)))
-        if missing and k < len(points):
+        missing = np.isinf(second)
+        cut_short = missing & np.isfinite(distance[:, -1]) if distance.shape[1] else missing
+        if np.any(cut_short) and k < len(points):  # who has all within reach needs no longer list but a longer reach
             k *= 2
-        elif missing and reach < furthest:
+        elif np.any(missing) and reach < furthest:
             reach = min(2.0 * reach, furthest)
         else:
             return nearest, second
