@@ -31,6 +31,12 @@ def usable_processors() -> int:
     return affinity if math.isinf(quota) else max(1, min(affinity, math.ceil(quota)))
 
 
+def bound_libraries(n_threads: int) -> None:
+    """Let BLAS and its like start at most so many threads, unless the user says otherwise; before NumPy is loaded."""
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, str(n_threads))
+
+
 def available_memory() -> Memory:
     """The least of what the machine has free and of what the limits of this process leave; inf where nobody knows."""
     found = [Memory(math.inf, "known")]

@@ -20,8 +20,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from porous_swim.errors import SceneError
-from porous_swim.obstacles.field import ObstacleField
 from porous_swim.machine import usable_processors
+from porous_swim.obstacles.field import ObstacleField
 
 FIXED_BITS = 52
 CELLS_PER_COLLOID = {2: 8, 3: 4}
@@ -64,10 +64,10 @@ class _Ghosts(NamedTuple):
     image: np.ndarray  # (n_ghosts,) int32
 
 
-def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
+def build_cells(field: ObstacleField, *, reach: float, threads: int | None = None) -> CellIndex:
     """Index `field`; every colloid whose surface is within `reach` of a point is in the list of its cell.
 
-    `SceneError` where the index does not fit into memory.
+    `threads` are by default as many as this process may use. `SceneError` where the index does not fit into memory.
     """
     centers, radii = field.centers, np.where(np.isinf(field.radii), 0.0, field.radii)  # a wall is its own centre
     if len(radii) == 0:
@@ -80,8 +80,11 @@ def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
     half_diagonal = 0.5 * float(np.linalg.norm((edge / n_cells)[axes])) * (1.0 + 1e-6)
     repeat = np.where(periodic, edge, 0.0)
     wrapped = np.where(periodic, centers % np.where(periodic, edge, 1.0), centers)  # a periodic region starts at 0
+    threads = threads or usable_processors()
     try:
-        first, candidate, shift, distance = _candidates(middle, half_diagonal, reach, wrapped, radii, repeat)
+        first, candidate, shift, distance = _candidates(
+            middle, half_diagonal, reach, wrapped, radii, repeat, threads=threads
+        )
     except MemoryError:
         raise SceneError(
             f"obstacles: the cell index of {len(radii):,} colloids does not fit into memory: {FEWER}"
@@ -124,15 +127,15 @@ def _cell_middles(origin, edge, n_cells, axes):
     return np.stack(np.meshgrid(*ticks, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _candidates(middle, half_diagonal, reach, centers, radii, edge):
+def _candidates(middle, half_diagonal, reach, centers, radii, edge, *, threads):
     """Compressed rows of candidates for each cell, nearest surface first."""
     repeats, largest = edge > 0.0, max(float(radii.max()), 0.0)
     shortest = float(edge[repeats].min(initial=math.inf))
     margin = min(shortest, MARGIN * _spacing(centers, edge) + largest)
     while True:  # a wider margin of images until none beyond it can matter
         ghosts = _ghosts(centers, edge, margin)
-        bound = np.maximum(_second_distance(middle, ghosts, radii, 3 ** int(repeats.sum())), reach)
-        bound += 2.0 * half_diagonal
+        second = _second_distance(middle, ghosts, radii, n_copies=3 ** int(repeats.sum()), threads=threads)
+        bound = np.maximum(second, reach) + 2.0 * half_diagonal
         far = float(bound.max()) + float(radii.max()) + half_diagonal
         if far <= margin or not repeats.any():
             break
@@ -144,7 +147,7 @@ def _candidates(middle, half_diagonal, reach, centers, radii, edge):
         margin = min(far * (1.0 + 1e-9), 2.0 * margin, MOST_IMAGES * shortest)
     if len(ghosts.place) <= 2:
         bound = np.full(len(middle), 1e300)
-    return _lists(middle, np.minimum(bound, 1e300), ghosts, radii)
+    return _lists(middle, np.minimum(bound, 1e300), ghosts, radii, threads=threads)
 
 
 def _spacing(centers, edge):
@@ -167,7 +170,7 @@ def _ghosts(centers, edge, margin):
     return _Ghosts(np.concatenate(places), np.concatenate(owners), np.concatenate(images))
 
 
-def _second_distance(middle, ghosts, radii, n_copies):
+def _second_distance(middle, ghosts, radii, *, n_copies, threads):
     """(n_cells,) bound of the distance from each middle to the second nearest surface, inf where there is none."""
     best = np.full((len(middle), 2), np.inf)
     # colloids of like radius, divided by eighths of all in boxes `n_copies` together: nearest centres, nearest surfaces
@@ -175,19 +178,17 @@ def _second_distance(middle, ghosts, radii, n_copies):
     group = np.searchsorted(np.unique(np.sort(radii)[rank]), radii)[ghosts.owner]
     for value in np.unique(group):
         member = np.flatnonzero(group == value)
-        distance, index = cKDTree(ghosts.place[member]).query(middle, k=[1, 2], workers=usable_processors())
+        distance, index = cKDTree(ghosts.place[member]).query(middle, k=[1, 2], workers=threads)
         surface = distance - radii[ghosts.owner[member[np.minimum(index, len(member) - 1)]]]
         best = np.sort(np.concatenate([best, surface], axis=1), axis=1)[:, :2]
     return best[:, 1]
 
 
-def _lists(middle, bound, ghosts, radii):
+def _lists(middle, bound, ghosts, radii, *, threads):
     """Rows of candidates within `bound` (n_cells,), a part of the cells after the other: few wait to be sorted."""
     trees = _trees(ghosts, radii)
-    parts = [
-        _part(middle[begin : begin + CELLS_AT_ONCE], bound[begin : begin + CELLS_AT_ONCE], trees, ghosts, radii)
-        for begin in range(0, len(middle), CELLS_AT_ONCE)
-    ]
+    cells = [slice(begin, begin + CELLS_AT_ONCE) for begin in range(0, len(middle), CELLS_AT_ONCE)]
+    parts = [_part(middle[part], bound[part], trees, ghosts, radii, threads=threads) for part in cells]
     lengths, owner, image, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
     first = np.concatenate([[0], np.cumsum(lengths)])
     if first[-1] > MOST_CANDIDATES:
@@ -209,11 +210,11 @@ def _trees(ghosts, radii):
     return [(max(radii[ghosts.owner[m]].max(), 0.0), m, cKDTree(ghosts.place[m])) for m in members]
 
 
-def _part(middle, bound, trees, ghosts, radii):
+def _part(middle, bound, trees, ghosts, radii, *, threads):
     """Number of candidates of each of some cells; of all of them colloid, packed image and distance, cell by cell."""
     found = []
     for largest, members, tree in trees:
-        rows = tree.query_ball_point(middle, bound + largest, workers=usable_processors())
+        rows = tree.query_ball_point(middle, bound + largest, workers=threads)
         cell = np.repeat(np.arange(len(middle)), np.fromiter(map(len, rows), dtype=np.int64, count=len(rows)))
         index = members[np.fromiter(chain.from_iterable(rows), dtype=np.int64, count=len(cell))]
         distance = np.linalg.norm(middle[cell] - ghosts.place[index], axis=1) - radii[ghosts.owner[index]]
