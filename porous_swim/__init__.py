@@ -10,7 +10,10 @@ import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from porous_swim import kernel_cache
+
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported anywhere
+kernel_cache.prepare()
 
 if TYPE_CHECKING:
     __version__: str

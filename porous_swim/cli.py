@@ -17,8 +17,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from porous_swim import limits
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
 from porous_swim.interrupts import exit_status, fatal
+from porous_swim.machine import bound_libraries, usable_processors
 from porous_swim.printing import fill_closed_streams, printable, silence, tell
 
 if TYPE_CHECKING:
@@ -31,6 +33,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+ADDRESS_SPACE = dict.fromkeys(("run", "check", "reproduce", "bench"), limits.FOR_A_RUN) | dict.fromkeys(
+    ("report", "theory"), limits.FOR_TABLES
+)  # what starts none of these commands needs no libraries
 WARNING = "warning"  # the label of what is doubtful
 Json = Annotated[bool, typer.Option("--json", help="For machines.")]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, such as scenes/crystal.yaml.")]
@@ -64,6 +69,8 @@ def main() -> None:
 
 def _command() -> None:
     try:
+        if sys.argv[1:2] and sys.argv[1] in ADDRESS_SPACE:
+            limits.require(address=ADDRESS_SPACE[sys.argv[1]], threads=usable_processors() + limits.OTHER_THREADS)
         app()
     except (SceneError, ResultsError, DeviceError) as error:
         _leave(error, 2)
@@ -120,6 +127,7 @@ def run(
     json_: Annotated[bool, typer.Option("--json", help="Folder and summary for machines, and nothing else.")] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
+    bound_libraries(threads or usable_processors())
     with fatal():
         from porous_swim.run_folder import RunFolder
         from porous_swim.simulation import run_in

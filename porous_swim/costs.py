@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 
 from porous_swim.engine.engine import LANES
+from porous_swim.machine import usable_processors
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.contact import Shape, shape_of
 from porous_swim.scene import Scene
@@ -43,7 +43,7 @@ def expected_seconds(scene: Scene, field: ObstacleField) -> Seconds:
     n, shape = scene.swimmers.count, shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
     lanes = 1 if scene.integrator == "located" else LANES[scene.precision]
     n_blocks = math.ceil(n / lanes)
-    n_threads = min(scene.run.threads or os.cpu_count() or 1, n_blocks)
+    n_threads = min(scene.run.threads or usable_processors(), n_blocks)
     lane_steps = lanes * math.ceil(n_blocks / n_threads) * scene.n_steps
     n_frames = scene.n_steps // scene.record_period + 1
     return Seconds(

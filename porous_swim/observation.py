@@ -161,7 +161,7 @@ class Observers:
                     stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
                     persistence_time=persistence, warnings=warnings,
                 )  # fmt: skip
-        summary = {"status": status, "units": info.units, "provenance": provenance}
+        summary: dict[str, Any] = {"status": status, "units": info.units, "provenance": provenance}
         summary |= with_physical(statistics, Scales.of(info.units))
         with self._watch.timing("recording"):
             self._forget_lost()

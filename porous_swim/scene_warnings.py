@@ -27,6 +27,7 @@ _NOTEWORTHY_BIAS = 0.01
 def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
     """Return the warnings for a scene and its colloids."""
     return [
+        *field.notes,
         *_step(scene),
         *_clamp(scene, field),
         *_flow(scene, field),

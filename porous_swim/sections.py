@@ -75,7 +75,8 @@ class Run(Part):
     """Where to compute; `auto` takes CUDA or Metal where there is one, else the CPU. It never takes Vulkan, which may
     be a driver in software: name it."""
     threads: Annotated[Whole, Field(ge=1, le=1024)] | None = None
-    """Threads on the CPU; left out: one per core. No result depends on it."""
+    """Threads on the CPU; left out: as many as this process may use, by its affinity and the quota of its control
+    group. No result depends on it."""
 
 
 class Record(Part):

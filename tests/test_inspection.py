@@ -95,7 +95,7 @@ def test_threads_share_blocks_of_swimmers():
 
 
 def test_without_a_word_on_threads_all_are_expected_to_work(monkeypatch):
-    monkeypatch.setattr("os.cpu_count", lambda: 6)
+    monkeypatch.setattr("porous_swim.costs.usable_processors", lambda: 6)
     assert seconds(2000, None).n_threads == 6
 
 

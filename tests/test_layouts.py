@@ -227,7 +227,7 @@ def test_a_bad_table_is_named(tmp_path: Path, table: str, message: str) -> None:
     with pytest.raises(SceneError) as caught:
         place({"layout": "file", "path": "beads.csv"}, tmp_path, size=[10, 10, 10])
     assert str(caught.value).startswith("obstacles.path: ")
-    assert str(caught.value).endswith(message)
+    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(

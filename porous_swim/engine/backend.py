@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
@@ -12,7 +14,10 @@ from io import StringIO
 import taichi as ti
 from taichi.lang import impl
 
+from porous_swim import kernel_cache, limits
 from porous_swim.errors import DeviceError
+from porous_swim.machine import usable_processors
+from porous_swim.printing import tell
 
 ti.set_logging_level(ti.ERROR)  # looking for a device that is not there is no reason to warn
 
@@ -28,7 +33,7 @@ class Backend:
     """A started device."""
 
     device: str
-    threads: int | None  # of the CPU; None: all
+    threads: int | None  # of the CPU; None on other devices
 
     @property
     def is_cpu(self) -> bool:
@@ -37,6 +42,19 @@ class Backend:
 
 
 _current: Backend | None = None
+_forked = False  # this process is the copy of one in which a device ran
+
+
+def _after_fork() -> None:
+    global _forked
+    if _current is not None and not _forked:
+        _forked = True
+        # freed at the end of the process, the device would wait for threads that only the parent has: never free it
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(impl.get_runtime().prog))
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def available(device: str) -> bool:
@@ -62,26 +80,47 @@ def choose(device: str) -> str:
 
 
 def ensure(device: str = "auto", threads: int | None = None) -> Backend:
-    """Start Taichi on `device`, unless it runs there already. Arrays of an earlier device are lost by a change."""
+    """Start Taichi on `device`, unless it runs there already. Arrays of an earlier device are lost by a change.
+
+    `threads` are those of the CPU, by default as many as this process may use.
+
+    Raises:
+        DeviceError: the device is not there, the limits of this process are too low for it, or this process was forked
+            from one in which a device had been started.
+    """
     global _current
-    wanted = Backend(choose(device), threads if choose(device) == "cpu" else None)
+    check_alive()
+    name = choose(device)
+    wanted = Backend(name, (threads or usable_processors()) if name == "cpu" else None)
     if _current == wanted:
         return wanted
+    limits.require(address=limits.FOR_A_DEVICE, threads=(wanted.threads or 0) + limits.OTHER_THREADS // 2)
+    for doubt in kernel_cache.doubts():
+        tell(doubt, sys.stderr)
     # an array that is freed after a restart frees whatever has its address by then: free what nobody holds before
     gc.collect()
-    options = {"cpu_max_num_threads": threads} if wanted.threads else {}
+    options = {"cpu_max_num_threads": wanted.threads} if wanted.threads else {}
     if wanted.device == "vulkan":
         options["default_gpu_block_dim"] = VULKAN_GROUP
     with redirect_stdout(StringIO()):  # Taichi greets on stdout, which is for results
         ti.init(
             arch=getattr(ti, wanted.device), default_fp=ti.f32, default_ip=ti.i32, fast_math=False,
-            log_level=ti.ERROR, offline_cache=True, unrolling_limit=0, **options,
+            log_level=ti.ERROR, offline_cache=kernel_cache.keeps(), unrolling_limit=0, **options,
         )  # fmt: skip
     if impl.current_cfg().arch != getattr(ti, wanted.device) and not wanted.is_cpu:
         raise DeviceError(f"device: {wanted.device} was found but could not be started")
     _drop_compiled()
     _current = wanted
     return wanted
+
+
+def check_alive() -> None:
+    """Raise a `DeviceError` in a process that was forked after a device was started: its threads are not there."""
+    if _forked:
+        raise DeviceError(
+            "device: this process was forked from one in which a device had been started, and that does not survive "
+            "a fork: start workers with multiprocessing.get_context('spawn') or 'forkserver', or before the first run"
+        )
 
 
 @contextmanager
@@ -102,6 +141,7 @@ def whole_vectors(on: bool) -> Iterator[None]:
 
 def ensure_any() -> Backend:
     """The device that runs, or the CPU started."""
+    check_alive()
     return _current if _current is not None else ensure("cpu")
 
 

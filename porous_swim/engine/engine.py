@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import taichi as ti
 from taichi.lang.util import to_numpy_type
 
 from porous_swim.engine.advance import Structure, make_advance
-from porous_swim.engine.backend import Backend, whole_vectors
+from porous_swim.engine.backend import Backend, check_alive, whole_vectors
 from porous_swim.engine.host import HostState, Snapshot
 from porous_swim.engine.laws import Laws, Numbers, flight_height
 from porous_swim.engine.limits import LONGEST_LAUNCH
@@ -79,7 +78,7 @@ class Engine:
         lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
         self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
-        n_threads = backend.threads or os.cpu_count() or 1
+        n_threads = backend.threads or 1
         most = -(-self.n_swimmers // (self.lanes * BLOCKS * n_threads))
         self._share = self.lanes * max(1, min(SHARE, most)) if backend.is_cpu else 1
         self._n_blocks = -(-self.n_swimmers // (self._share * group)) * group
@@ -89,7 +88,7 @@ class Engine:
         check_flights(backend, numbers.flight_ticks)
         self._flight_height = flight_height(laws, numbers)
         self._compile(flow, variates, precision, integrator, shape)
-        cells = build_cells(field, reach=numbers.escape_height)
+        cells = build_cells(field, reach=numbers.escape_height, threads=backend.threads)
         rounding = float(np.finfo(self._real).eps)
         self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
         self._margin = 4.0 * rounding * cells.longest
@@ -202,6 +201,7 @@ class Engine:
 
     def _launch(self, n_steps: int) -> None:
         """Run the kernel until every swimmer has made its steps, draining the log whenever it is full."""
+        check_alive()
         seed, first, numbers = self._numbers.seed, self.step, self._numbers
         rules = Rules(
             numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,

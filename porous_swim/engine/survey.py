@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 import taichi as ti
 
+from porous_swim.engine.backend import check_alive
 from porous_swim.engine.medium import on_device
 from porous_swim.engine.state import PHASE_BIT, Int, Law, Phase, real_rows
 from porous_swim.engine.swimmers import Swimmers, image_of, set_of
@@ -165,6 +166,7 @@ class Survey:
 
         All in one launch, as a launch takes longer than its sums.
         """
+        check_alive()
         levels, swimmers, medium, n_groups = list(levels), self._swimmers, self._medium, len(self.group_sizes)
         self._kernel(
             swimmers.real, swimmers.int, swimmers.law, medium.center, medium.radius, medium.scale,

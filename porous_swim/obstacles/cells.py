@@ -11,19 +11,26 @@ integers, periodic images are exact shifts, and no position loses digits in a la
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from porous_swim.errors import SceneError
+from porous_swim.machine import usable_processors
 from porous_swim.obstacles.field import ObstacleField
 
 FIXED_BITS = 52
 CELLS_PER_COLLOID = {2: 8, 3: 4}
 MAX_CELLS_PER_AXIS = 1024  # cell numbers are made from 52-bit positions in 64-bit integers
 MOST_IMAGES = 100  # in either direction: an image number has 8 bits
+MARGIN = 3.0  # distances from colloid to colloid within which images are taken first
+MOST_CANDIDATES = 2**31 - 1
+FEWER = "give fewer colloids, or a smaller encounter.escape_height"
+CELLS_AT_ONCE = 1 << 14  # whose candidates are found and sorted together
 ROUNDING = 1e-6  # of lengths, some times that of single precision
 ANCHOR_RADIUS = -1e6  # an empty field has one sphere at the origin that nobody can reach
 
@@ -49,8 +56,19 @@ class CellIndex:
         return float(np.linalg.norm(self.edge / self.n_cells) + 2.0 * np.abs(self.radius).max())
 
 
-def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
-    """Index `field`; every colloid whose surface is within `reach` of a point is in the list of its cell."""
+class _Ghosts(NamedTuple):
+    """Images of colloids: where they are, of which they are, and in which box, packed as in `CellIndex.shift`."""
+
+    place: np.ndarray  # (n_ghosts, 3) a
+    owner: np.ndarray  # (n_ghosts,) int32
+    image: np.ndarray  # (n_ghosts,) int32
+
+
+def build_cells(field: ObstacleField, *, reach: float, threads: int | None = None) -> CellIndex:
+    """Index `field`; every colloid whose surface is within `reach` of a point is in the list of its cell.
+
+    `threads` are by default as many as this process may use. `SceneError` where the index does not fit into memory.
+    """
     centers, radii = field.centers, np.where(np.isinf(field.radii), 0.0, field.radii)  # a wall is its own centre
     if len(radii) == 0:
         centers, radii = np.zeros((1, 3)), np.array([ANCHOR_RADIUS])
@@ -62,7 +80,15 @@ def build_cells(field: ObstacleField, *, reach: float) -> CellIndex:
     half_diagonal = 0.5 * float(np.linalg.norm((edge / n_cells)[axes])) * (1.0 + 1e-6)
     repeat = np.where(periodic, edge, 0.0)
     wrapped = np.where(periodic, centers % np.where(periodic, edge, 1.0), centers)  # a periodic region starts at 0
-    first, candidate, shift, distance = _candidates(middle, half_diagonal, reach, wrapped, radii, repeat)
+    threads = threads or usable_processors()
+    try:
+        first, candidate, shift, distance = _candidates(
+            middle, half_diagonal, reach, wrapped, radii, repeat, threads=threads
+        )
+    except MemoryError:
+        raise SceneError(
+            f"obstacles: the cell index of {len(radii):,} colloids does not fit into memory: {FEWER}"
+        ) from None
     least = distance - half_diagonal
     least -= ROUNDING * (np.abs(least) + np.abs(radii[candidate]) + half_diagonal)
     fixed = np.rint((centers - origin) / edge * 2.0**FIXED_BITS).astype(np.int64)
@@ -101,63 +127,101 @@ def _cell_middles(origin, edge, n_cells, axes):
     return np.stack(np.meshgrid(*ticks, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _candidates(middle, half_diagonal, reach, centers, radii, edge):
+def _candidates(middle, half_diagonal, reach, centers, radii, edge, *, threads):
     """Compressed rows of candidates for each cell, nearest surface first."""
-    n_images = np.where(edge > 0.0, 1, 0)
-    while True:  # more images until none beyond them can matter
-        ghost, owner, image = _ghosts(centers, edge, n_images)
-        bound = np.maximum(_second_distance(middle, ghost, radii[owner]), reach) + 2.0 * half_diagonal
-        bound = np.where(np.isfinite(bound), bound, np.inf)
-        far = bound.max() + radii.max() + half_diagonal
-        needed = (
-            np.where(edge > 0.0, np.ceil(far / np.where(edge > 0.0, edge, 1.0)), 0) if np.isfinite(far) else n_images
-        )
-        if np.all(needed <= n_images):
+    repeats, largest = edge > 0.0, max(float(radii.max()), 0.0)
+    shortest = float(edge[repeats].min(initial=math.inf))
+    margin = min(shortest, MARGIN * _spacing(centers, edge) + largest)
+    while True:  # a wider margin of images until none beyond it can matter
+        ghosts = _ghosts(centers, edge, margin)
+        second = _second_distance(middle, ghosts, radii, n_copies=3 ** int(repeats.sum()), threads=threads)
+        bound = np.maximum(second, reach) + 2.0 * half_diagonal
+        far = float(bound.max()) + float(radii.max()) + half_diagonal
+        if far <= margin or not repeats.any():
             break
-        if np.any(needed > MOST_IMAGES):
+        if margin >= MOST_IMAGES * shortest:
             raise SceneError(
                 f"domain.size: the box is too long for its width: a swimmer may be {far:.3g} from the second nearest "
                 f"colloid, across more than {MOST_IMAGES} periodic images"
             )
-        n_images = needed.astype(int)
-    return _lists(middle, bound, ghost, owner, image, radii)
+        margin = min(far * (1.0 + 1e-9), 2.0 * margin, MOST_IMAGES * shortest)
+    if len(ghosts.place) <= 2:
+        bound = np.full(len(middle), 1e300)
+    return _lists(middle, np.minimum(bound, 1e300), ghosts, radii, threads=threads)
 
 
-def _ghosts(centers, edge, n_images):
-    """All images of the colloids up to `n_images` boxes away: positions, owners, image numbers."""
-    shifts = np.array(list(product(*(range(-int(n), int(n) + 1) for n in n_images))), dtype=np.int64)
-    ghost = (centers[None, :, :] + (shifts * edge)[:, None, :]).reshape(-1, 3)
-    owner = np.tile(np.arange(len(centers)), len(shifts))
-    return ghost, owner, np.repeat(shifts, len(centers), axis=0)
+def _spacing(centers, edge):
+    """A length, about from a colloid to the next."""
+    repeats = edge > 0.0
+    return float((np.prod(edge[repeats]) / len(centers)) ** (1.0 / max(1, int(repeats.sum()))))
 
 
-def _second_distance(middle, ghost, radius):
+def _ghosts(centers, edge, margin):
+    """All images of the colloids within `margin` of the box, box by box."""
+    n_images = np.where(edge > 0.0, np.ceil(margin / np.where(edge > 0.0, edge, 1.0)), 0).astype(int)
+    low, high = np.where(edge > 0.0, -margin, -np.inf), np.where(edge > 0.0, edge + margin, np.inf)
+    places, owners, images = [], [], []
+    for shift in product(*(range(-n, n + 1) for n in n_images)):
+        place = centers + np.array(shift) * edge
+        near = np.flatnonzero(np.all((place >= low) & (place <= high), axis=1))
+        places.append(place[near])
+        owners.append(near.astype(np.int32))
+        images.append(np.full(len(near), sum((n + 128) << 8 * d for d, n in enumerate(shift)), dtype=np.int32))
+    return _Ghosts(np.concatenate(places), np.concatenate(owners), np.concatenate(images))
+
+
+def _second_distance(middle, ghosts, radii, *, n_copies, threads):
     """(n_cells,) bound of the distance from each middle to the second nearest surface, inf where there is none."""
     best = np.full((len(middle), 2), np.inf)
-    edges = np.unique(np.quantile(radius, np.linspace(0.0, 1.0, 9)))
-    for group in np.unique(
-        np.searchsorted(edges, radius)
-    ):  # colloids of like radius: their nearest centres are nearest surfaces
-        member = np.flatnonzero(np.searchsorted(edges, radius) == group)
-        distance, index = cKDTree(ghost[member]).query(middle, k=[1, 2], workers=-1)
-        surface = distance - radius[member[np.minimum(index, len(member) - 1)]]
+    # colloids of like radius, divided by eighths of all in boxes `n_copies` together: nearest centres, nearest surfaces
+    rank = ((len(radii) * n_copies - 1) * np.linspace(0.0, 1.0, 9)).astype(int) // n_copies
+    group = np.searchsorted(np.unique(np.sort(radii)[rank]), radii)[ghosts.owner]
+    for value in np.unique(group):
+        member = np.flatnonzero(group == value)
+        distance, index = cKDTree(ghosts.place[member]).query(middle, k=[1, 2], workers=threads)
+        surface = distance - radii[ghosts.owner[member[np.minimum(index, len(member) - 1)]]]
         best = np.sort(np.concatenate([best, surface], axis=1), axis=1)[:, :2]
     return best[:, 1]
 
 
-def _lists(middle, bound, ghost, owner, image, radii):
-    if len(ghost) <= 2:
-        bound = np.full(len(middle), 1e300)
-    tree = cKDTree(ghost)
-    rows = tree.query_ball_point(middle, np.minimum(bound + radii.max(), 1e300), workers=-1)
-    length = np.fromiter((len(row) for row in rows), dtype=np.int64, count=len(rows))
-    index = np.concatenate([np.asarray(row, dtype=np.int64) for row in rows])
-    cell = np.repeat(np.arange(len(middle)), length)
-    distance = np.linalg.norm(middle[cell] - ghost[index], axis=1) - radii[owner[index]]
-    keep = distance <= bound[cell]
-    cell, index, distance = cell[keep], index[keep], distance[keep]
+def _lists(middle, bound, ghosts, radii, *, threads):
+    """Rows of candidates within `bound` (n_cells,), a part of the cells after the other: few wait to be sorted."""
+    trees = _trees(ghosts, radii)
+    cells = [slice(begin, begin + CELLS_AT_ONCE) for begin in range(0, len(middle), CELLS_AT_ONCE)]
+    parts = [_part(middle[part], bound[part], trees, ghosts, radii, threads=threads) for part in cells]
+    lengths, owner, image, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
+    first = np.concatenate([[0], np.cumsum(lengths)])
+    if first[-1] > MOST_CANDIDATES:
+        raise SceneError(
+            f"obstacles: the cell index of {len(radii):,} colloids would have {first[-1]:,} entries, and at most "
+            f"{MOST_CANDIDATES:,} can be counted: {FEWER}"
+        )
+    return first.astype(np.int32), owner, image, distance
+
+
+def _trees(ghosts, radii):
+    """(largest radius, ghosts, tree) for each class of sizes, which differ by less than a factor of two within.
+
+    A search among all would have to go as far as the largest radius reaches, and meet all that is small on the way.
+    """
+    radius = np.abs(radii)[ghosts.owner]
+    size = np.frexp(radius)[1]
+    members = [np.flatnonzero(size == value) for value in np.unique(size)]
+    return [(max(radii[ghosts.owner[m]].max(), 0.0), m, cKDTree(ghosts.place[m])) for m in members]
+
+
+def _part(middle, bound, trees, ghosts, radii, *, threads):
+    """Number of candidates of each of some cells; of all of them colloid, packed image and distance, cell by cell."""
+    found = []
+    for largest, members, tree in trees:
+        rows = tree.query_ball_point(middle, bound + largest, workers=threads)
+        cell = np.repeat(np.arange(len(middle)), np.fromiter(map(len, rows), dtype=np.int64, count=len(rows)))
+        index = members[np.fromiter(chain.from_iterable(rows), dtype=np.int64, count=len(cell))]
+        distance = np.linalg.norm(middle[cell] - ghosts.place[index], axis=1) - radii[ghosts.owner[index]]
+        keep = distance <= bound[cell]
+        found.append((cell[keep], index[keep], distance[keep]))
+    cell, index, distance = (np.concatenate(part) for part in zip(*found, strict=True))
     order = np.lexsort((index, distance, cell))
-    cell, index = cell[order], index[order]
-    first = np.searchsorted(cell, np.arange(len(middle) + 1)).astype(np.int32)
-    packed = ((image[index] + 128) << np.array([0, 8, 16])).sum(axis=1)
-    return first, owner[index].astype(np.int32), packed.astype(np.int32), distance[order]
+    index = index[order]
+    lengths = np.bincount(cell, minlength=len(middle))
+    return lengths, ghosts.owner[index], ghosts.image[index], distance[order]

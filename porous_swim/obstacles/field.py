@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
 
@@ -23,6 +23,9 @@ class ObstacleField:
     radii: np.ndarray  # (n_colloids,), a
     box: np.ndarray  # (3,), a; edge lengths, 0 along an axis that does not repeat
     dimensions: int  # 2 or 3
+    notes: tuple[str, ...] = field(
+        default=(), kw_only=True
+    )  # sentences about what had to be done to place the colloids
 
     @property
     def surface(self) -> Surface:

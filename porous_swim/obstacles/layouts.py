@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from porous_swim.columns import read_columns
 from porous_swim.obstacles.disorder import Packing, Random
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.lattices import BodyCentred, FaceCentred, Hexagonal, SimpleCubic, Square
-from porous_swim.obstacles.overlaps import checked_field
+from porous_swim.obstacles.measured import Beads, Overlaps, compared_with_box, merged, resolved
+from porous_swim.obstacles.overlaps import TOUCH, checked_field
 from porous_swim.obstacles.wall import Wall
-from porous_swim.parts import KeyedError, Part, Point, Radius, as_vector
+from porous_swim.parts import KeyedError, Length, Part, Point, Radius, as_vector
 
 
 class NoObstacles(Part):
@@ -66,7 +67,43 @@ class FromFile(Part):
 
     layout: Literal["file"]
     path: Annotated[str, Field(min_length=1)]
-    """The CSV file, relative to the scene's folder. Numbers in a, also where the scene has units."""
+    """The CSV file, relative to the scene's folder."""
+    unit: Annotated[str, Field(min_length=1, max_length=20)] | None = None
+    """Unit of the numbers in the file: `a`, a length such as `um` where the scene has units, or `px` with `scale`.
+    Left out: `a`."""
+    scale: Annotated[Length, Field(gt=0.0)] | None = None
+    """What a pixel is, with `unit: px`, such as `0.16 um`."""
+    merge: Annotated[Length, Field(gt=0.0)] | None = None
+    """Detections whose centres are nearer than this are one colloid, at their mean place with their mean radius.
+    Left out: none are."""
+    overlaps: Overlaps = "error"
+    """What becomes of colloids that overlap by more than `tolerance`: `error` refuses the file, `shrink` makes both
+    smaller until they touch, `drop` leaves out the smaller one."""
+    tolerance: Annotated[float, Field(ge=0.0, le=0.1)] = 1e-4
+    """Share of their summed radii by which colloids may overlap as they are: touching ones do where digits are
+    rounded."""
+
+    _factor: float = PrivateAttr(1.0)  # a to a unit of the file
+    _unsaid: bool = PrivateAttr(False)  # the scene has units, and the file has none
+
+    @model_validator(mode="after")
+    def _unit_is_a_length(self, info: ValidationInfo) -> FromFile:
+        units = (info.context or {}).get("units")
+        if (self.unit == "px") != (self.scale is not None):
+            raise KeyedError("scale", "expected with unit: px, and only there, such as `0.16 um`")
+        self._unsaid = units is not None and self.unit is None
+        if self.unit == "px":
+            assert self.scale is not None
+            self._factor = self.scale
+        elif self.unit not in (None, "a"):
+            if units is None:
+                message = f"{self.unit!r} needs a `units` section; without one expected a, or px with scale in a"
+                raise KeyedError("unit", message)
+            try:
+                self._factor = units.number(f"1 {self.unit}", "length")
+            except ValueError as error:
+                raise KeyedError("unit", str(error)) from None
+        return self
 
     def check(self, domain: Domain) -> None:
         """Raise a `KeyedError` where the box does not fit `domain`."""
@@ -74,7 +111,7 @@ class FromFile(Part):
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the field of the file's colloids."""
-        flat = domain.dimensions == 2
+        flat, box, name = domain.dimensions == 2, _optional_box(domain), Path(self.path).name
         axes = ["x", "y"] if flat else ["x", "y", "z"]
         columns = read_columns(
             folder / self.path,
@@ -84,13 +121,20 @@ class FromFile(Part):
         )
         centers = np.stack([columns["x"], columns["y"], columns["z"]], axis=1)
         self._check_rows(centers, columns["radius"], flat=flat)
+        beads = Beads(self._factor * centers, self._factor * columns["radius"])
+        if self._unsaid:
+            beads = beads.noted(
+                f"the numbers in {name} are read in half-lengths a, though the scene has units: say what they are by "
+                "obstacles.unit (a, um, or px with scale)"
+            )
+        if self.merge is not None:
+            beads = merged(beads, self.merge, box=box)
+        beads = compared_with_box(beads, box=box)
+        beads = resolved(beads, self.overlaps, tolerance=self.tolerance, box=box, name=name)
         return checked_field(
-            centers,
-            columns["radius"],
-            box=_optional_box(domain),
-            dimensions=domain.dimensions,
-            key="obstacles.path",
-        )
+            beads.centers, beads.radii, box=box, dimensions=domain.dimensions, key="obstacles.path",
+            tolerance=max(self.tolerance, TOUCH), notes=beads.notes,
+        )  # fmt: skip
 
     def _check_rows(self, centers: np.ndarray, radii: np.ndarray, *, flat: bool) -> None:
         if len(radii) == 0:

@@ -12,21 +12,25 @@ TOUCH = 1e-9  # share of the summed radii by which touching spheres may overlap 
 
 
 def checked_field(
-    centers: np.ndarray, radii: np.ndarray, *, box: np.ndarray, dimensions: int, key: str
-) -> ObstacleField:
-    """Return the field of `centers` (n, 3), wrapped into `box`; a `KeyedError` where colloids overlap."""
+    centers: np.ndarray, radii: np.ndarray, *, box: np.ndarray, dimensions: int, key: str, tolerance: float = TOUCH,
+    notes: tuple[str, ...] = (),
+) -> ObstacleField:  # fmt: skip
+    """Return the field of `centers` (n, 3), wrapped into `box`; a `KeyedError` where colloids overlap.
+
+    They may do so by `tolerance`, a share of their summed radii.
+    """
     if len(radii):
-        _check_own_images(radii, box)
-    field = ObstacleField(wrap(centers, box), radii, box, dimensions)
+        _check_own_images(radii, box, tolerance)
+    field = ObstacleField(wrap(centers, box), radii, box, dimensions, notes=notes)
     if len(radii) > 1:
-        _check_pairs(field, key)
+        _check_pairs(field, key, tolerance)
     return field
 
 
-def _check_own_images(radii: np.ndarray, box: np.ndarray) -> None:
+def _check_own_images(radii: np.ndarray, box: np.ndarray, tolerance: float) -> None:
     largest = float(radii.max())
     for axis, edge in zip("xyz", box, strict=True):
-        if 0.0 < edge < 2.0 * largest * (1.0 - TOUCH):
+        if 0.0 < edge < 2.0 * largest * (1.0 - tolerance):
             raise KeyedError(
                 "domain.size",
                 f"the box is {edge:g} long in {axis}, so a colloid of radius {largest:g} overlaps its own "
@@ -34,12 +38,12 @@ def _check_own_images(radii: np.ndarray, box: np.ndarray) -> None:
             )
 
 
-def _check_pairs(field: ObstacleField, key: str) -> None:
+def _check_pairs(field: ObstacleField, key: str, tolerance: float) -> None:
     other, gap = NearestSphere(field.centers, field.radii, field.box).nearest_other()
     worst = int(np.argmin(gap / (field.radii + field.radii[other])))
     first, second = sorted((worst, int(other[worst])))
     reach = float(field.radii[first] + field.radii[second])
-    if gap[worst] >= -TOUCH * reach:
+    if gap[worst] >= -tolerance * reach:
         return
     distance = reach + float(gap[worst])
     apart = float(np.linalg.norm(field.centers[first] - field.centers[second]))

@@ -9,8 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.histogram import Map
+from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, name_panels, panels
-from porous_swim.scales import Scales, label_x, label_y
 
 _DECADES = 1e4  # between the darkest and the brightest colour, at most
 

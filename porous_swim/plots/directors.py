@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.lagged import TimeAverages
+from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, panels
-from porous_swim.scales import Scales, label_x
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from porous_swim.analysis.diffusion import EffectiveDiffusivity
 from porous_swim.analysis.lagged import TimeAverages
 from porous_swim.analysis.transport import Lagged
+from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import THEORY, Shown, legend, panels
-from porous_swim.scales import Scales, label_x, label_y
 
 
 @dataclass(frozen=True, eq=False)

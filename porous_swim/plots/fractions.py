@@ -7,8 +7,8 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.columns import column
+from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import Shown, legend, panels, thinned
-from porous_swim.scales import Scales, label_x
 from porous_swim.tables import TableInfo
 
 

@@ -9,8 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.histogram import Map
+from porous_swim.plots.scales import Scales, label_y
 from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, legend, name_panels, panels
-from porous_swim.scales import Scales, label_y
 
 
 @dataclass(frozen=True, eq=False)

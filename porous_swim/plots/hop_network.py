@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, radii_of
 from porous_swim.plots.colloids import colloid_discs
+from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import MAP_COLORS, Shown, color_bar, name_panels, panels
-from porous_swim.scales import Scales, label_x, label_y
 
 _WIDEST, _MANY = 5.0, 6.0  # points, for the most hops; and for as many at least
 _MOST_LINES = 2000  # as such in an SVG; more go in as one picture

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from porous_swim.analysis.histogram import Histogram
+from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import Shown, legend, panels
 from porous_swim.plots.winding import bars, logarithmic
-from porous_swim.scales import Scales, label_x
 
 
 @dataclass(frozen=True, eq=False)

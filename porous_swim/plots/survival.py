@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from porous_swim.analysis.survival import SurvivalCurve
 from porous_swim.analysis.survival_band import survival_band
+from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned_tail
-from porous_swim.scales import Scales, label_x
 
 LAW_NAMES = {"exponential": "exponential", "inverse_gaussian": "inverse Gaussian", "power_law": "power law"}
 _LINES = {"exponential": "--", "inverse Gaussian": ":"}  # of laws of all lengths

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from porous_swim.plots.colloids import colloid_discs, images_in
+from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import STATE_COLORS, STATE_NAMES, Shown, legend, panels
-from porous_swim.scales import Scales, label_x, label_y
 
 _MOST_DISCS = 20000
 _MARGIN = 0.06

@@ -17,9 +17,9 @@ from porous_swim.encounters import MANY
 from porous_swim.errors import SceneError
 from porous_swim.obstacles.wall import Wall
 from porous_swim.parts import unit_vector
+from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown, named
 from porous_swim.results import Results
-from porous_swim.scales import Scales, common
 from porous_swim.scene import Scene, load_scene
 from porous_swim.scene_identity import file_hashes, resolved
 
