@@ -202,6 +202,11 @@ def test_in_a_disordered_field_cells_tell_neighbours_and_there_are_no_shells() -
     assert hop_statistics(table, colloids).nearest_share.value == pytest.approx(share, rel=1e-12)
 
 
+def test_a_few_colloids_in_disorder_in_the_open_are_not_one_shell() -> None:
+    centers = np.random.default_rng(1).uniform(0.0, 20.0, (15, 3))
+    assert math.isnan(shell_ends(field(centers), box=(0.0, 0.0, 0.0)).first)
+
+
 def test_too_many_colloids_without_shells_have_no_share_of_nearest_and_say_so(monkeypatch) -> None:
     monkeypatch.setattr(f"{neighbours.__module__}.MOST_POINTS", 50)
     rng = np.random.default_rng(8)

@@ -13,6 +13,7 @@ from porous_swim.analysis.places import centers_of, tiled, wrapped
 
 LEAST_GAP = 0.05  # of the distance at which it begins: lattices that a picture has stretched by less keep their shells
 LEAST_GAP_OF_SHELL = 0.5  # of the width of the shell before it: neighbours scatter less than shells are apart
+MOST_WIDTH = 0.75  # of the distance at which a shell begins: wider, all that are few would be one
 _N_NEAREST = 32  # three shells and more of any lattice
 _MOST_IMAGES = 10  # of each colloid, where they are many
 _MOST_CENTERS = 20_000  # to look around from: more tell no more
@@ -30,8 +31,9 @@ def shell_ends(colloids: pa.Table, *, box: tuple[float, float, float]) -> ShellE
     """The ends of the first two shells of neighbours, in the middle of the gaps behind them.
 
     All distances of a field are looked at together. A shell ends at a gap without any, of 5 % of the distance or more
-    and half as wide as the shell, once every colloid has a neighbour within it. So vacancies, and centres that are
-    known to some per cent of their spacing, leave shells what they are; centres in disorder have none.
+    and half as wide as the shell, once every colloid has a neighbour within it, and is at most 3/4 as wide as the
+    distance at which it begins. So vacancies, and centres that are known to some per cent of their spacing, leave
+    shells what they are; centres in disorder have none.
     """
     found = _nearest_distances(centers_of(colloids), np.asarray(box))
     if found.size == 0:
@@ -51,8 +53,9 @@ def _end_of_shell(distance: np.ndarray, *, begin: int, least: float) -> int | No
     """Number of the last of increasing distances (n,) in the shell that begins at one, and ends at `least` or later."""
     inside = distance[begin:-1]
     gap = np.diff(distance[begin:])
-    wide = (gap >= LEAST_GAP * inside) & (gap >= LEAST_GAP_OF_SHELL * (inside - inside[:1]))
-    ends = np.flatnonzero(wide & (inside >= least))
+    width = inside - inside[:1]
+    ends = (gap >= LEAST_GAP * inside) & (gap >= LEAST_GAP_OF_SHELL * width) & (width <= MOST_WIDTH * inside[:1])
+    ends = np.flatnonzero(ends & (inside >= least))
     return begin + int(ends[0]) if len(ends) else None
 
 

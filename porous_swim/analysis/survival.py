@@ -151,8 +151,8 @@ def _share_left(curve: SurvivalCurve) -> float:
     n_ended, n = int(np.sum(curve.n_ended)), int(curve.n_at_risk[0]) if len(curve.n_at_risk) else 0
     if n_ended == n > 0:
         return 0.0
-    before = np.append(1.0, curve.probability)
-    return float(before[-2] if len(curve.time) and curve.time[-1] == curve.longest else before[-1])
+    before = len(curve.time) - int(n > 0 and curve.time[-1] == curve.longest)  # ends before the longest time
+    return float(curve.probability[before - 1]) if before else 1.0
 
 
 def _restricted_mean(
