@@ -67,7 +67,9 @@ def test_every_statistic_of_a_summary_has_value_error_counts_and_unit(run):
     found = list(_statistics(summary))
     assert len(found) > 15
     for statistic in found:
-        assert set(statistic) == {"value", "standard_error", "n", "n_censored", "unit"}
+        scaled = summary["units"] is not None and statistic["unit"] not in ("", "turns")
+        more = {"physical"} if scaled else set()
+        assert set(statistic) == {"value", "standard_error", "n", "n_censored", "unit"} | more
         assert (statistic["value"] is None) or (statistic["n"] + statistic["n_censored"] > 0 or statistic["value"] == 0)
 
 
