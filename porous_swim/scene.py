@@ -21,6 +21,7 @@ from porous_swim.physics.noise import Brownian, NoNoise
 from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.scene_errors import scene_error
 from porous_swim.scene_identity import resolved, save, scene_hash
+from porous_swim.scene_limits import check_limits
 from porous_swim.scene_warnings import warnings_of
 from porous_swim.sections import Population, Record, Run, check_flights, check_whole_steps
 from porous_swim.streams import Stream, generator
@@ -86,9 +87,14 @@ class Scene(Part):
         return _validated(document, self._folder)
 
     def place_obstacles(self) -> ObstacleField:
-        """Return the colloids, a function of the layout, the domain and `run.seed` alone."""
+        """Return the colloids, a function of the layout, the domain and `run.seed` alone.
+
+        SceneError where they do not fit, or where swimmers among them cannot be computed with these steps and digits.
+        """
         try:
-            return self.obstacles.place(self.domain, generator(self.run.seed, Stream.PLACEMENT), self._folder)
+            field = self.obstacles.place(self.domain, generator(self.run.seed, Stream.PLACEMENT), self._folder)
+            check_limits(self, field)
+            return field
         except KeyedError as error:
             raise self._placed(error) from None
 

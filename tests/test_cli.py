@@ -23,8 +23,10 @@ RUN_FILES = {
     "scene.yaml", "recording.rrd", "colloids.parquet", "encounters.parquet", "timeseries.parquet",
     "lags.parquet", "trajectory.parquet", "summary.json",
 }  # fmt: skip
-# A drift that single precision cannot hold: the first step is not a number.
-TOO_STRONG = SMALL.replace("dipole_strength: 4.0", "dipole_strength: 1.0e+35")
+# A drift that no step is short enough for: the first one leads out of the range of numbers. With noise it is refused.
+TOO_STRONG = SMALL.replace("dipole_strength: 4.0", "dipole_strength: 1.0e+35").replace(
+    "kind: brownian, translational_diffusion: 0.006", "kind: none"
+)
 
 
 @pytest.fixture
