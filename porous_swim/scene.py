@@ -23,6 +23,7 @@ from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.scene_checks import disagreements
 from porous_swim.scene_errors import faults_of, keyed_fault, scene_error, sound_part
 from porous_swim.scene_identity import resolved, save, scene_hash
+from porous_swim.scene_limits import check_limits
 from porous_swim.scene_warnings import warnings_of
 from porous_swim.sections import Population, Record, Run
 from porous_swim.streams import Stream, generator
@@ -88,10 +89,14 @@ class Scene(Part):
         return _validated(document, self._folder)
 
     def place_obstacles(self) -> ObstacleField:
-        """Return the colloids, a function of the layout, the domain and `medium_seed` alone."""
+        """Return the colloids, a function of the layout, the domain and `medium_seed` alone.
+
+        SceneError where they do not fit, or where swimmers among them cannot be computed with these steps and digits.
+        """
         try:
             field = self.obstacles.place(self.domain, generator(self.medium_seed, Stream.PLACEMENT), self._folder)
             check_reach(field, self.encounter.escape_height)
+            check_limits(self, field)
             return field
         except KeyedError as error:
             raise self._placed(error) from None

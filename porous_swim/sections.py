@@ -52,7 +52,8 @@ class Run(Part):
     """How the swimmers are advanced, how long, and on what."""
 
     time_step: Annotated[Time, Field(ge=LEAST_TIME, le=LONGEST_TIME)]
-    """Length of a step."""
+    """Length of a step. Among colloids at most 1/(2 D), in which noise moves a swimmer by 1, and (but with `located`)
+    at most 4 gamma^3/(3 |alpha|), in which the flow at contact changes by itself; results ask for less."""
     flight_step: Annotated[Time, Field(ge=LEAST_TIME, le=LONGEST_TIME)] | None = None
     """Length of the steps of free swimmers that are so far from every colloid that they can neither reach it in such a
     step nor feel its flow change: a whole number of steps, of which `duration` and `record.every` are whole numbers;
@@ -64,7 +65,8 @@ class Run(Part):
     seed: Annotated[Whole, Field(ge=0, lt=2**64)] = 0
     """Every random number follows from it; those of a random medium follow from `obstacles.seed` where that is set."""
     precision: Literal["auto", "f32", "f64"] = "auto"
-    """`auto`: f64 without noise, where small errors grow; f32 with noise."""
+    """`auto`: f64 without noise, where small errors grow; f32 with noise. With f32 colloids have a radius of at most
+    16777 gamma: heights are then rounded by at most a thousandth of gamma."""
     integrator: Literal["auto", "euler", "reflected", "located"] = "auto"
     """`auto`: reflected with noise, located without (in f32 euler). `euler`: one forward step, then the swimmer is put
     back on the surface if it went below contact. `reflected` (with noise): second order in the drift; walls hold a

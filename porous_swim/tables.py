@@ -54,7 +54,8 @@ TIMESERIES_SCHEMA = pa.schema(
         *_columns("time", _REAL, "a/U"),
         *_columns("fraction_bound fraction_contact", _REAL),
         *_columns("n_captures n_escapes n_hops n_returns", _COUNT),
-        *_columns("msd msd_standard_error", _REAL, "a^2"),  # from the start, over all swimmers
+        *_columns("msd", _REAL, "a^2"),  # from the start, over all swimmers
+        *_columns("msd_standard_error", _REAL, "a^2", nullable=True),  # null for a single swimmer
     ]
 )
 LAGS_SCHEMA = pa.schema(  # a row for each lag and group of swimmers; means over the group and its windows in time

@@ -109,3 +109,44 @@ def test_wrong_arguments_are_one_sentence():
         ps.flow_field([[9.0, 0, 0]], **{**about, "position": [1.0, 0, 0]})
     with pytest.raises(ValueError, match="expected"):
         ps.flow_field([[9.0, 0]], **about)
+
+
+def test_the_fluid_sticks_to_a_wall():
+    (n, e), h = directions(2), 1.3
+    along = 5.0 * directions(200)
+    along -= np.outer(along @ n, n)
+    flow = ps.flow_field(along, h * n, e, radius=np.inf, dipole_strength=0.8)
+    assert np.abs(flow).max() < 1e-14 * 0.8 * 2.0 / h**2 * 10.0  # rounding of terms up to ten times the free flow
+
+
+def test_the_image_in_a_wall_is_the_velocity_that_drift_gives():
+    (n, e), h = directions(2), 1.3
+    about = {"position": h * n, "director": e, "radius": np.inf, "dipole_strength": 0.8}
+    step = 0.02 * np.eye(3)[:1]
+    fine, coarse = image_near(about, step)[0], image_near(about, 2.0 * step)[0]
+    velocity, _ = ps.drift([h * n], [e], radius=np.inf, dipole_strength=0.8)
+    expected = velocity[0] - e
+    assert (4.0 * fine - coarse) / 3.0 == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+def test_the_flow_at_a_wall_is_the_limit_of_large_spheres():
+    (n, e), h = directions(2), 1.3
+    points = 3.0 * directions(100)
+    points += np.outer(np.maximum(0.0, 0.1 - points @ n), n)
+    points = points[np.linalg.norm(points - h * n, axis=1) > 0.3]
+    wall = ps.flow_field(points, h * n, e, radius=np.inf, dipole_strength=0.8)
+
+    def difference(A):
+        sphere = ps.flow_field(points + A * n, (A + h) * n, e, radius=A, dipole_strength=0.8)
+        return np.abs(sphere - wall).max()
+
+    assert difference(1e4) == pytest.approx(0.1 * difference(1e3), rel=0.01)  # of first order in 1/A
+    assert difference(1e4) < 1e-3
+
+
+def test_behind_a_wall_there_is_no_flow():
+    about = {"director": [1.0, 0, 0], "radius": np.inf, "dipole_strength": 0.8}
+    with pytest.raises(ValueError, match="points: some are behind the wall"):
+        ps.flow_field([[0, 0, -0.1]], [0, 0, 2.0], **about)
+    with pytest.raises(ValueError, match="position: it is on the wall"):
+        ps.flow_field([[0, 0, 1.0]], [0, 0, 0], **about)

@@ -1,4 +1,4 @@
-"""The flow around a swimmer near a sphere: the free dipole and its exact image, at any point outside.
+"""The flow around a swimmer near a sphere or a wall: the free dipole and its exact image, at any point outside.
 
 With y the swimmer seen from the sphere's centre, e its director, k = A/|y|, y* = A^2 y/|y|^2, d = x - y* and
 D = |x||d| + x.d the image is (Soft Matter 11, 3396, Appendix A, in a form without its spurious singularity)
@@ -7,7 +7,8 @@ D = |x||d| + x.d the image is (Soft Matter 11, 3396, Appendix A, in a form witho
     F1 = -((1/k - k)/2) d/|d|^3 - ((3 k - 1/k)/2) (x/|x| + d/|d|)/D
     F2 = -k [(e - d (e.d)/|d|^2)/(|d| D) - |x| w (e.w)/D^2],   w = x/|x| + d/|d|
 
-where ' is the derivative to t along y(t) = y + t e: here by second-order Taylor series.
+where ' is the derivative to t along y(t) = y + t e: here by second-order Taylor series. At a plane wall it is the first
+such derivative of the image of a point force e (J. R. Blake, Math. Proc. Camb. Phil. Soc. 70, 303, 1971).
 """
 
 from __future__ import annotations
@@ -59,16 +60,17 @@ def flow_field(points: Any, position: Any, director: Any, *, radius: float, dipo
     """Velocity (n, 3) of the fluid, in U, at `points` (n, 3) around a force-dipole swimmer near a no-slip sphere.
 
     Args:
-        points: (n, 3) seen from the sphere's centre, a, outside of the sphere and not at the swimmer.
-        position: (3,) of the swimmer seen from the sphere's centre, a, outside of the sphere.
+        points: (n, 3) seen from the sphere's centre, a, outside of the sphere and not at the swimmer; at a wall seen
+            from its point nearest to the swimmer.
+        position: (3,) of the swimmer seen from the same, a, outside of the sphere; at a wall it is along the normal.
         director: (3,) unit vector.
-        radius: of the sphere, a.
+        radius: of the sphere, a; infinite for a plane wall, exactly.
         dipole_strength: alpha.
 
     Raises:
-        ValueError: a shape that does not fit, or a point or the swimmer inside the sphere.
+        ValueError: a shape that does not fit, or a point or the swimmer inside the sphere or behind the wall.
 
-    On the sphere the flow vanishes to rounding. Inside the sphere there is none.
+    On the surface the flow vanishes to rounding. Behind it there is none.
     """
     x = np.atleast_2d(np.asarray(points, dtype=float))
     y, e = (np.asarray(v, dtype=float) for v in (position, director))
@@ -76,6 +78,8 @@ def flow_field(points: Any, position: Any, director: Any, *, radius: float, dipo
         raise ValueError(
             f"points, position, director: expected (n, 3), (3,), (3,), found {x.shape}, {y.shape}, {e.shape}"
         )
+    if radius == np.inf:
+        return dipole_strength * (_free(x - y, e) + _wall_image(_in_front(x, y), y, e))
     if np.linalg.norm(y) <= radius:
         raise ValueError(
             f"position: at {np.linalg.norm(y):g} from the centre it is inside the sphere of radius {radius:g}"
@@ -110,3 +114,33 @@ def _image(x: np.ndarray, y0: np.ndarray, e: np.ndarray, A: float) -> np.ndarray
     q = (k * d_size.power(-1.0)).c2 * 2.0
     V = F1.c2 * 2.0 + F2.c1
     return np.asarray(-(x - y0) * q - (x_size**2 - A * A) * V)
+
+
+def _in_front(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The points, where swimmer and points are before the wall."""
+    h = np.linalg.norm(y)
+    if h == 0.0:
+        raise ValueError("position: it is on the wall, from which it is seen")
+    # a point put on the wall by its user is there but for rounding
+    if np.any(x @ y < -1e-12 * h * (h + np.linalg.norm(x, axis=1))):
+        raise ValueError("points: some are behind the wall")
+    return x
+
+
+def _wall_image(x: np.ndarray, y0: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """The derivative of the image of a point force e at y0 + t e, with the wall at the origin and normal to y0."""
+    height = float(np.linalg.norm(y0))
+    n = y0 / height
+    across = Jet(np.array([[e @ n]]))
+    normal, director = Jet(n[None, :]), Jet(e[None, :])
+    mirrored = Jet((e - 2.0 * (e @ n) * n)[None, :])  # the director in the mirror, along which the image moves
+    h = Jet(np.array([[height]]), np.array([[e @ n]]))
+    d = Jet(x + y0, -mirrored.c0)
+    Z = d.dot(normal)
+    size = d.dot(d).power(0.5)
+    near, cube = size.power(-1.0), size.power(-3.0)
+    forward = d.dot(mirrored)
+    u = (director * near + d * d.dot(director) * cube).scaled(-1.0)
+    slope = (mirrored * cube - (d * forward * size.power(-5.0)).scaled(3.0)) * (h - Z)
+    slope = slope + (normal * forward + d * across) * cube
+    return np.asarray((u + (h * slope).scaled(2.0)).c1)

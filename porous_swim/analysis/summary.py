@@ -63,7 +63,7 @@ def summarize(
     reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
     stays = list(_residence_warnings(residence, TableInfo.of(encounters).duration))
     doubts = list(_diffusivity_warnings(late, duration, persistence_time))
-    found = [*stays, *_passage_warnings(encounters), *doubts]
+    found = [*_lone_warning(timeseries), *stays, *_passage_warnings(encounters), *doubts]
     return {
         "residence": _waiting(residence, stays),
         "escape_pitch_time": _waiting(passage, _mean_warnings(passage, duration)),
@@ -123,6 +123,11 @@ def _final_msd(timeseries: pa.Table, info: TableInfo) -> dict[str, Any]:
     value, error = (float(column(timeseries, name)[-1]) for name in ("msd", "msd_standard_error"))
     final = Estimate(value, error, info.n_swimmers, 0, "a^2")
     return {"final": final.as_dict(), "time": float(column(timeseries, "time")[-1])}
+
+
+def _lone_warning(timeseries: pa.Table) -> Iterable[str]:
+    if len(timeseries) and np.all(np.isnan(column(timeseries, "msd_standard_error"))):
+        yield "One swimmer tells nothing of how far its numbers are off: they have no standard errors."
 
 
 def _residence_warnings(residence: WaitingTimes, duration: float) -> Iterable[str]:

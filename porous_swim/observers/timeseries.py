@@ -13,7 +13,7 @@ class TimeSeries:
 
     def __init__(self, schedule: Every) -> None:
         self.schedule = schedule
-        self._rows: list[dict[str, float | int]] = []
+        self._rows: list[dict[str, float | int | None]] = []
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame."""
@@ -28,7 +28,7 @@ class TimeSeries:
                 "n_hops": frame.counts.n_hops,
                 "n_returns": frame.counts.n_returns,
                 "msd": everyone.msd,
-                "msd_standard_error": everyone.msd_standard_error,
+                "msd_standard_error": None if everyone.n_swimmers == 1 else everyone.msd_standard_error,
             }
         )
 
