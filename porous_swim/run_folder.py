@@ -175,9 +175,10 @@ class RunFolder:
         (self.path / SUMMARY).unlink(missing_ok=True)  # first: half an old run must not look finished
         for path in doomed:
             path.unlink(missing_ok=True)
-        for report in {path.parent for path in doomed} - {self.path}:
+        parents = {path.parent for path in doomed} - {self.path}
+        for inner_first in sorted(parents, key=lambda path: len(path.parts), reverse=True):
             with suppress(OSError):  # the user's own files are in it
-                report.rmdir()
+                inner_first.rmdir()
         self._names = {*RUN_FILES, *SCRATCH}
         self.claim(())
         self._keep_room()

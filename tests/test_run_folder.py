@@ -156,6 +156,13 @@ def test_replacing_a_run_deletes_what_it_lists_says_so_before_and_keeps_the_user
     for name in (*(f"{name}.parquet" for name in SCHEMAS), "summary.json", "report/report.html"):
         assert name in said[0]
     assert not any(name in said[0] for name in mine)
+    assert not (folder / "report/figures").exists()
+
+
+def test_replacing_a_run_leaves_no_empty_report(folder) -> None:
+    ps.report(ps.load_results(folder), folder / "report")
+    RunFolder.at(folder, overwrite=True).close()
+    assert {path.name for path in folder.iterdir()} == {"run.lock", "summary.json.part"}
 
 
 def test_a_list_that_names_files_elsewhere_deletes_none_of_them(folder) -> None:

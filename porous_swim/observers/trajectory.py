@@ -57,11 +57,12 @@ class Trajectory:
         """Give the table up, and the room on the disk that it takes."""
         self._failed = True
         self._waiting, self._n_waiting = {}, 0
+        if self._path is None or self._writer is None:
+            return
         with suppress(OSError, pa.ArrowException):
-            if self._writer is not None:
-                self._writer.close()
-        if self._path is not None:
-            for suffix in (".rows" + PART, PART):
+            self._writer.close()
+        for suffix in (".rows" + PART, PART):
+            with suppress(OSError):
                 self._path.with_name(self._path.name + suffix).unlink(missing_ok=True)
 
     def finish(self, *, interrupted: bool) -> None:
