@@ -97,7 +97,7 @@ def _mutate(scene: dict[str, Any], rng: np.random.Generator) -> None:
     places = _leaves(scene)
     node, key = places[int(rng.integers(len(places)))]
     way, value = rng.random(), node[key]
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and way < 0.7:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e200 and way < 0.7:
         scaled = value * 10.0 ** float(rng.integers(-3, 4) if way < 0.4 else rng.integers(-12, 13))
         node[key] = int(scaled) if isinstance(value, int) and np.isfinite(scaled) else scaled
     elif way < 0.75 and isinstance(node, dict):

@@ -119,7 +119,7 @@ def test_a_unit_of_many_letters_is_refused_at_once() -> None:
     [
         ({"run.flight_step": 10_000.0, "run.duration": 1e7},
          "run.flight_step: expected at most 1048.58, 1,048,576 steps of 0.001, found 10000"),
-        ({"run.flight_step": 0.005, "run.device": "vulkan"}, 
+        ({"run.flight_step": 0.005, "run.device": "vulkan"},
          "run.flight_step: expected at most 0.004, 4 steps of 0.001"),
         ({"record.every": 101.0}, r"record.every: expected at most run.duration \(100\), found 101"),
         ({"run.time_step": 1e-10}, "run.time_step: expected at least 1e-09, found 1e-10"),
