@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from porous_swim.parts import KeyedError
+from porous_swim.parts import LONGEST, KeyedError
 
 
 def read_columns(
@@ -45,5 +45,7 @@ def _number(text: str, name: str, *, path: Path, line: int, key: str) -> float:
     except ValueError:
         value = float("nan")
     if not isfinite(value):
-        raise KeyedError(key, f"{path.name}, line {line}: {name} must be a finite number, found {text.strip()!r}")
+        raise KeyedError(key, f"{path.name}, line {line}: {name} must be a finite number, found {text.strip()[:40]!r}")
+    if abs(value) > LONGEST:
+        raise KeyedError(key, f"{path.name}, line {line}: {name} must be within {LONGEST:g} of 0, found {value:g}")
     return value

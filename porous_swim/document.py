@@ -49,10 +49,9 @@ class Document:
         where = f"{self.file}:{place[0]}:{place[1]}: " if place else ""
         return one_line(f"{where}{key}: {sentence}" if key else f"{where}{sentence}")
 
-    def together(self, lines: Sequence[str], *, n_more: int = 0) -> SceneError:
+    def together(self, lines: Sequence[str]) -> SceneError:
         """Return one error of several lines, at most ten, the first ones, and the number of the others."""
-        n_more += max(len(lines) - _MOST_LINES, 0)
-        more = [f"and {n_more:,} more to mend"] if n_more else []
+        more = [f"and {len(lines) - _MOST_LINES:,} more to mend"] if len(lines) > _MOST_LINES else []
         return SceneError("\n".join([*lines[:_MOST_LINES], *more]))
 
     def place(self, path: KeyPath, *, on_key: bool = False) -> Mark | None:

@@ -8,24 +8,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pyarrow as pa
 
 from porous_swim.errors import ResultsError
+from porous_swim.table_check import LARGEST, Limits, check_table
 from porous_swim.tables import TableInfo
 
 if TYPE_CHECKING:
     from porous_swim.results import Results
 
-_ROUNDING = 1e-6  # of times and of unit vectors, some times that of single precision
-_LARGEST = 1e30  # of any number: its square is still one
+_LATEST = 1e10  # a/U; ten times the longest run
 _DEEPEST = 12  # maps and lists within each other in a summary; a run writes five
 _STATISTIC = {"value", "standard_error", "n", "unit"}
-_MAY_LACK = {("timeseries", "msd_standard_error")}  # of one swimmer there is none
 
 
 def checked(results: Results, folder: Path) -> Results:
@@ -46,114 +44,18 @@ def checked(results: Results, folder: Path) -> Results:
     return replace(results, stored=replace(stored, check=lambda part: check_table(part, limits, path)))
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What the numbers of a run's tables lie between."""
-
-    n_swimmers: int
-    n_colloids: int
-    first_time: float
-    last_time: float
-    wall: bool
-
-    @classmethod
-    def of(cls, info: TableInfo, colloids: pa.Table, path: Path) -> Limits:
-        """From the information on the tables, and the colloids of the run."""
-        number = colloids.column("colloid").to_numpy()
-        if np.any(number != np.arange(len(number))):
-            row = int(np.argmax(number != np.arange(len(number))))
-            raise _wrong(path, "colloid", row, number[row], f"{row}: colloids are counted from 0")
-        radius = colloids.column("radius").to_numpy()
-        wall = len(radius) == 1 and bool(np.isinf(radius[0]))
-        return cls(info.n_swimmers, len(number), info.first_time, info.last_time, wall)
-
-    def of_column(self, table: str, column: str) -> tuple[float, float]:
-        """The least and the largest that `column` may hold."""
-        duration = self.last_time - self.first_time
-        slack = _ROUNDING * max(abs(self.last_time), duration, 1.0)
-        if column in ("time", "start_time", "end_time", "release_time", "escape_pitch_time"):
-            return self.first_time - slack, self.last_time + slack
-        if column in ("lag", "contact_time"):
-            return -slack, duration + slack
-        if column == "radius":
-            return math.ulp(0.0), math.inf if self.wall else _LARGEST
-        whole = {
-            "swimmer": (0, self.n_swimmers - 1), "group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers),
-            "colloid": (-1 if table == "trajectory" else 0, self.n_colloids - 1), "state": (0, 2),
-        }  # fmt: skip
-        if column in whole:
-            return whole[column]
-        if column.startswith("n_"):
-            return 0, math.inf
-        if column.startswith("image_"):
-            return -math.inf, math.inf
-        if column.startswith("fraction_"):
-            return 0.0, 1.0
-        if column == "director_correlation" or column in _UNIT_VECTORS:
-            return -1.0 - _ROUNDING, 1.0 + _ROUNDING
-        if column in ("entry_pitch", "exit_pitch", "release_pitch"):
-            return -0.5 * math.pi - _ROUNDING, 0.5 * math.pi + _ROUNDING
-        if column in ("msd", "msd_standard_error", "fourth_moment"):
-            return 0.0, _LARGEST
-        return -_LARGEST, _LARGEST
-
-
-_UNIT_VECTORS = {f"{where}{axis}" for where in ("", "entry_", "exit_") for axis in ("ex", "ey", "ez")}
-
-
-def check_table(table: pa.Table, limits: Limits, path: Path) -> None:
-    """Raise a `ResultsError` for the first number of `table` that is beyond its `limits`, or out of order."""
-    name = path.stem
-    for column in table.column_names:
-        values = table.column(column)
-        if values.null_count:
-            values = values.drop_null()
-        numbers = values.to_numpy()
-        if numbers.dtype == bool or len(numbers) == 0:
-            continue
-        low, high = limits.of_column(name, column)
-        with np.errstate(invalid="ignore"):
-            good = (numbers.min() >= low) and (numbers.max() <= high)  # a NaN makes both comparisons fail
-        if not good:
-            bad = ~((numbers >= low) & (numbers <= high))
-            if (name, column) in _MAY_LACK:
-                bad &= ~np.isnan(numbers)
-            if bad.any():
-                row = int(np.argmax(bad))
-                raise _wrong(path, column, row, numbers[row], f"{low:.6g} to {high:.6g}")
-    for column in {"encounters": ("swimmer",), "timeseries": ("time",), "trajectory": ("time",)}.get(name, ()):
-        if column in table.column_names:
-            _check_order(table.column(column).to_numpy(), path, column)
-    if {"start_time", "end_time"} <= set(table.column_names):
-        start, end = (table.column(column).to_numpy() for column in ("start_time", "end_time"))
-        if np.any(end < start):
-            row = int(np.argmax(end < start))
-            raise _wrong(path, "end_time", row, end[row], f"at least the start_time of its row, {start[row]:.6g}")
-
-
-def _check_order(numbers: np.ndarray, path: Path, column: str) -> None:
-    falls = numbers[1:] < numbers[:-1]
-    if falls.any():
-        row = int(np.argmax(falls)) + 1
-        raise _wrong(path, column, row, numbers[row], f"at least {numbers[row - 1]:.6g}, that of the row before")
-
-
-def _wrong(path: Path, column: str, row: int, found: Any, expected: str) -> ResultsError:
-    shown = f"{found:.6g}" if isinstance(found, (float, np.floating)) else f"{found}"
-    return ResultsError(
-        f"{path}: column {column}, row {row}: found {shown}, expected {expected}; the file is damaged or of another run"
-    )
-
-
 def check_info(info: TableInfo, path: Path) -> None:
     """Raise a `ResultsError` where what stands in the metadata of the file `path` is not what a run writes."""
     wanted: dict[str, tuple[bool, str]] = {
         "n_swimmers": (_is_whole(info.n_swimmers) and 0 < info.n_swimmers < 2**31, "a count of swimmers"),
         "dimensions": (_is_whole(info.dimensions) and info.dimensions in (2, 3), "2 or 3"),
-        "box": (len(info.box) == 3 and all(_is_number(edge) and edge >= 0.0 for edge in info.box), "three edges"),
-        "first_time": (_is_number(info.first_time), "a time"),
-        "last_time": (_is_number(info.last_time), "a time"),
-        "time_step": (_is_number(info.time_step) and info.time_step > 0.0, "a length of time"),
+        "box": (
+            len(info.box) == 3 and all(_is_number(edge, _LATEST) and edge >= 0.0 for edge in info.box),
+            "three edges",
+        ),
+        "first_time": (_is_number(info.first_time, _LATEST), "a time"),
+        "last_time": (_is_number(info.last_time, _LATEST), "a time"),
+        "time_step": (_is_number(info.time_step, _LATEST) and info.time_step > 0.0, "a length of time"),
         "units": (info.units is None or _are_units(info.units), "length_um and time_s above 0"),
         "provenance": (isinstance(info.provenance, dict), "a map"),
     }
@@ -225,11 +127,11 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
+def _is_number(value: Any, largest: float = LARGEST) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= largest
 
 
 def _are_units(units: Any) -> bool:
     return isinstance(units, dict) and all(
-        _is_number(units.get(key)) and units[key] >= 1.0 / _LARGEST for key in ("length_um", "time_s")
+        _is_number(units.get(key)) and units[key] >= 1.0 / LARGEST for key in ("length_um", "time_s")
     )

@@ -15,7 +15,7 @@ from porous_swim.document import UNREAD, Document, KeyPath, Mark, key_path
 from porous_swim.errors import SceneError
 from porous_swim.parts import UNITS_UNKNOWN, KeyedError, Part, SeveralKeyedError, models_in, tag_of
 
-_MOST_SAID = 100  # faults that get a sentence
+_MOST_SAID = 1000  # faults that get a sentence; more than these are not counted either
 _LONGEST_WORD = 60  # letters of a word for which a near one is sought
 
 

@@ -10,6 +10,7 @@ from porous_swim.obstacles.field import ObstacleField
 from porous_swim.parts import ContactHeight, KeyedError
 
 HIGHEST_CONTACT = 1.0  # a: a swimmer standing on its tip; at any pitch the contact height is at most this
+_AT_ONCE = 1 << 14  # swimmers
 _ROUNDING = 1e-9  # a; a swimmer placed exactly in contact fits
 
 
@@ -33,6 +34,14 @@ def shortfall(
     position: np.ndarray, director: np.ndarray, *, field: ObstacleField, contact_height: ContactHeight
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far each swimmer lies below contact (n,), -inf if nothing is near, and the colloid (n,)."""
+    if len(position) > _AT_ONCE:  # pairs of swimmer and colloid take memory
+        parts = [
+            shortfall(
+                position[i : i + _AT_ONCE], director[i : i + _AT_ONCE], field=field, contact_height=contact_height
+            )
+            for i in range(0, len(position), _AT_ONCE)
+        ]
+        return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
     lack = np.full(len(position), -np.inf)
     blame = np.full(len(position), -1, dtype=np.int64)
     point, colloid, offset = field.near(position, HIGHEST_CONTACT)

@@ -19,7 +19,7 @@ from porous_swim.obstacles.lattices import BodyCentred, FaceCentred, Hexagonal, 
 from porous_swim.obstacles.measured import Beads, Overlaps, compared_with_box, merged, resolved
 from porous_swim.obstacles.overlaps import TOUCH, checked_field
 from porous_swim.obstacles.wall import Wall
-from porous_swim.parts import KeyedError, Length, Part, Point, Radius, as_vector
+from porous_swim.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Part, Point, Radius, as_vector
 
 
 class NoObstacles(Part):
@@ -143,6 +143,13 @@ class FromFile(Part):
             i = int(np.argmax(radii <= 0.0))
             raise KeyedError(
                 "obstacles.path", f"{self.path}: colloid {i} must have a radius above 0, found {radii[i]:g}"
+            )
+        beyond = (radii < LEAST_RADIUS) | (radii > LARGEST_RADIUS)
+        if np.any(beyond):
+            i = int(np.argmax(beyond))
+            allowed = f"{LEAST_RADIUS:g} to {LARGEST_RADIUS:g}"
+            raise KeyedError(
+                "obstacles.path", f"{self.path}: colloid {i} must have a radius of {allowed}, found {radii[i]:g}"
             )
         if flat and np.any(centers[:, 2] != 0.0):
             i = int(np.argmax(centers[:, 2] != 0.0))

@@ -162,6 +162,10 @@ def _scene(results: Results) -> tuple[Scene | None, str]:
         path = Path(results.folder) / "scene.yaml"
         if not path.is_file():
             return None, f"{path}: there is no such file, so what the scene says is not known."
-        return load_scene(path), ""
+        scene = load_scene(path)
+        info = results.info
+        if (scene.swimmers.count, scene.domain.dimensions) != (info.n_swimmers, info.dimensions):
+            return None, f"{path}: the file is of another run, so what the scene says is not known."
+        return scene, ""
     except SceneError as error:
         return None, f"The scene cannot be read, so what it says is not known: {error}"
