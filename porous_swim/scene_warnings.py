@@ -10,6 +10,7 @@ import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.nearest import NearestSphere
+from porous_swim.obstacles.pores import closed_share
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -21,6 +22,7 @@ _LARGE_RADIUS = 2000.0  # a
 # docs/convergence.md: residence times between reflecting walls are this much short, times step and rate of the flow
 _SHORT = 0.11
 _NOTEWORTHY_BIAS = 0.01
+_NOTEWORTHY_ROOM = 0.005
 
 
 def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
@@ -32,6 +34,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
         *_flow(scene, field),
         *_rounding(scene, field),
         *_mid_planes(scene, field),
+        *_pores(scene, field),
     ]
 
 
@@ -102,4 +105,14 @@ def _mid_planes(scene: Scene, field: ObstacleField) -> Iterator[str]:
             f"only the nearest colloid acts on a swimmer, so its drift jumps by up to about {jump:.2g} U "
             f"halfway between neighbours (alpha = {scene.swimmers.dipole_strength:.4g}, typical gap "
             f"{np.median(gaps):.3g})"
+        )
+
+
+def _pores(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    clearance = scene.swimmers.aspect_ratio  # of a centre from a surface: of a rod that lies along it
+    share = closed_share(field, clearance)
+    if share > _NOTEWORTHY_ROOM:
+        yield (
+            f"about {100.0 * share:.3g} % of the room for swimmers is in closed pores: all around them surfaces are "
+            f"nearer to each other than {2.0 * clearance:g}, the width of a swimmer, and none that is there ever leaves"
         )
