@@ -8,9 +8,8 @@ import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
-from porous_swim.engine.lags import n_levels
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.state import Long, n_ints, real_rows
+from porous_swim.footprint import amount, footprint, require_memory
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
@@ -20,8 +19,10 @@ from porous_swim.scene import Scene
 def describe(scene: Scene) -> list[tuple[str, str]]:
     """(label, text) for each thing worth knowing before the run; the last ones are warnings.
 
-    Colloids and swimmers are placed, so SceneError where they do not fit, as in the run itself.
+    Colloids and swimmers are placed, so SceneError where they do not fit, as in the run itself; before, where it does
+    not fit into memory.
     """
+    require_memory(scene)
     gamma = scene.swimmers.aspect_ratio
     field = scene.place_obstacles()
     scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma))
@@ -67,7 +68,7 @@ def _units(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
-    n, steps = scene.swimmers.count, scene.n_steps
+    steps, found = scene.n_steps, footprint(scene)
     frames = steps // scene.record_period + 1
     size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
     end = f"{scene.run.duration:g} a/U"
@@ -76,22 +77,18 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
-        ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
+        (
+            "memory",
+            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device; and "
+            f"{found.encounter / 1e3:g} kB for each encounter under way at the end, 0.7 GB at most for others",
+        ),
+        ("disk", f"about {amount(found.disk)} and 200 bytes for each encounter; twice that while tables are written"),
+        ("recording", f"about {amount(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
 
 def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
-
-
-def _bytes_per_swimmer(scene: Scene) -> int:
-    """Of its state, and of its origins in time of displacements."""
-    d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
-    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
-    located = scene.integrator == "located"
-    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
-    return rows[0] * real + rows[1] * 4 + len(Long) * 8 + origins
 
 
 def _time(seconds: Seconds) -> str:
@@ -132,13 +129,6 @@ def _short(number: float) -> str:
 
 def _inverse(rate: float) -> str:
     return f"{1.0 / rate:.4g} a/U" if rate > 0.0 else "infinite"
-
-
-def _bytes(n: float) -> str:
-    for size, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
-        if n >= size:
-            return f"{n / size:.2g} {unit}" if n < 100 * size else f"{n / size:.0f} {unit}"
-    return f"{n:.0f} bytes"
 
 
 def _duration(seconds: float) -> str:

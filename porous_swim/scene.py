@@ -125,6 +125,11 @@ class Scene(Part):
         return {key: self._folder / path for key, path in paths.items() if path is not None}
 
     @property
+    def n_colloids(self) -> int:
+        """Number of colloids, about, before they are placed."""
+        return self.obstacles.n_colloids(self.domain, self._folder)
+
+    @property
     def n_steps(self) -> int:
         """Number of steps of the run."""
         return round(self.run.duration / self.run.time_step)

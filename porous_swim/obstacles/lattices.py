@@ -38,13 +38,17 @@ class Lattice(Part):
         if len(self.cells) != self.DIMENSIONS:
             message = f"expected {self.DIMENSIONS} numbers of cells, found {len(self.cells)}"
             raise KeyedError("obstacles.cells", message)
-        count = prod(self.cells) * len(self.BASIS)
+        count = self.n_colloids(domain, Path())
         if count > MOST_COLLOIDS:
             raise KeyedError("obstacles.cells", f"expected at most {MOST_COLLOIDS} colloids, found {count}")
         if self.spacing < 2.0 * self.radius:
             overlap = 2.0 * self.radius - self.spacing
             message = f"colloids of radius {self.radius:g} overlap by {overlap:.3g}: expected at least"
             raise KeyedError("obstacles.spacing", f"{message} {2.0 * self.radius:g}, found {self.spacing:g}")
+
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many colloids there will be."""
+        return prod(self.cells) * len(self.BASIS)
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the lattice as a field; nothing in it is random."""
