@@ -70,7 +70,7 @@ def main() -> None:
 def _command() -> None:
     try:
         if sys.argv[1:2] and sys.argv[1] in ADDRESS_SPACE:
-            limits.require(address=ADDRESS_SPACE[sys.argv[1]], threads=usable_processors() + limits.OTHER_THREADS)
+            limits.require(address=ADDRESS_SPACE[sys.argv[1]], threads=limits.OTHER_THREADS + 2)
         app()
     except (SceneError, ResultsError, DeviceError) as error:
         _leave(error, 2)
@@ -125,6 +125,9 @@ def run(
     no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Folder and summary for machines, and nothing else.")] = False,
+    force_memory: Annotated[
+        bool, typer.Option("--force-memory", help="Start even where memory is expected not to suffice.")
+    ] = False,
 ) -> None:
     """Run a scene. The last line on stdout is the run folder."""
     bound_libraries(threads or usable_processors())
@@ -145,6 +148,7 @@ def run(
         scene=loaded,
         progress=not quiet,
         recording=not no_recording,
+        force_memory=force_memory,
     )
     assert results.folder is not None
     shown = os.path.relpath(results.folder) if out is None or _is_relative(out) else str(results.folder)

@@ -9,8 +9,8 @@ import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, expected_seconds
-from porous_swim.engine.probe import height_at_sine
-from porous_swim.inspection import bytes_per_swimmer
+from porous_swim.footprint import footprint
+from porous_swim.inspection import ready
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.scene import Scene
@@ -19,11 +19,9 @@ from porous_swim.scene import Scene
 def facts_of(scene: Scene) -> dict[str, Any]:
     """Return numbers in a, U and a/U, times of a CPU in s, sizes in bytes; and the warnings.
 
-    Colloids and swimmers are placed, so SceneError where they do not fit, as in the run itself.
+    All is done that a run does before its first step, so that it raises the same SceneError or DeviceError.
     """
-    gamma = scene.swimmers.aspect_ratio
-    field = scene.place_obstacles()
-    scene.place_swimmers(field, lambda s, A: height_at_sine(s, A, aspect_ratio=gamma))
+    field, gamma = ready(scene), scene.swimmers.aspect_ratio
     units = scene.unit_system
     return {
         "scene": scene.name, "scene_id": scene.scene_id, "description": scene.description,
@@ -75,7 +73,7 @@ def _colloids(field: ObstacleField) -> dict[str, Any]:
 
 
 def _costs(scene: Scene, field: ObstacleField) -> dict[str, Any]:
-    seconds = expected_seconds(scene, field)
+    seconds, found = expected_seconds(scene, field), footprint(scene)
     size = recording_size(
         n_frames=_n_frames(scene), n_swimmers=scene.n_recorded, n_trails=scene.n_trails,
         rods=scene.swimmers.aspect_ratio < 1.0,
@@ -85,5 +83,7 @@ def _costs(scene: Scene, field: ObstacleField) -> dict[str, Any]:
             "swimming": seconds.swimming, "recording": seconds.recording, "total": seconds.total,
             "compiling_at_first": COMPILING, "threads": seconds.n_threads,
         },
-        "bytes": {"device": scene.swimmers.count * bytes_per_swimmer(scene), "recording": round(size)},
+        "bytes": {
+            "memory": round(found.host), "device": found.device, "disk": round(found.disk), "recording": round(size),
+        },
     }  # fmt: skip

@@ -8,8 +8,7 @@ import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
-from porous_swim.engine.lags import n_levels
-from porous_swim.engine.state import Long, n_ints, real_rows
+from porous_swim.footprint import amount, footprint, require_memory
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
@@ -20,13 +19,20 @@ from porous_swim.simulation import Start
 from porous_swim.units import UnitSystem
 
 
+def ready(scene: Scene) -> ObstacleField:
+    """Do all that a run does before its first step, so that what it refuses is refused here; return the colloids."""
+    require_memory(scene)
+    field = Start.of(scene).field
+    build_cells(field, reach=scene.encounter.escape_height)
+    return field
+
+
 def describe(scene: Scene) -> list[tuple[str, str]]:
     """(label, text) for each thing worth knowing before the run; the last ones are warnings.
 
     All is done that a run does before its first step, so that it raises the same SceneError or DeviceError.
     """
-    field = Start.of(scene).field
-    build_cells(field, reach=scene.encounter.escape_height)
+    field = ready(scene)
     rows = [("scene", f"{scene.name} ({scene.scene_id})")]
     if scene.description:
         rows.append(("", scene.description))
@@ -80,7 +86,7 @@ def _laboratory(units: UnitSystem, unit: str) -> tuple[float, str]:
 
 
 def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
-    n, steps, gamma = scene.swimmers.count, scene.n_steps, scene.swimmers.aspect_ratio
+    steps, found, gamma = scene.n_steps, footprint(scene), scene.swimmers.aspect_ratio
     frames = steps // scene.record_period + 1
     size = recording_size(n_frames=frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails, rods=gamma < 1.0)
     end = f"{scene.run.duration:g} a/U"
@@ -89,22 +95,18 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * bytes_per_swimmer(scene))} for the swimmers on the device"),
-        ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
+        (
+            "memory",
+            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device; and "
+            f"{found.encounter / 1e3:g} kB for each encounter under way at the end, 0.7 GB at most for others",
+        ),
+        ("disk", f"about {amount(found.disk)} and 200 bytes for each encounter; twice that while tables are written"),
+        ("recording", f"about {amount(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
 
 def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
-
-
-def bytes_per_swimmer(scene: Scene) -> int:
-    """Bytes on the device, of its state, and of its origins in time of displacements."""
-    d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
-    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
-    located = scene.integrator == "located"
-    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
-    return rows[0] * real + rows[1] * 4 + len(Long) * 8 + origins
 
 
 def _time(seconds: Seconds) -> str:
@@ -145,13 +147,6 @@ def _short(number: float) -> str:
 
 def _inverse(rate: float) -> str:
     return f"{1.0 / rate:.4g} a/U" if rate > 0.0 else "infinite"
-
-
-def _bytes(n: float) -> str:
-    for size, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
-        if n >= size:
-            return f"{n / size:.2g} {unit}" if n < 100 * size else f"{n / size:.0f} {unit}"
-    return f"{n:.0f} bytes"
 
 
 def _duration(seconds: float) -> str:

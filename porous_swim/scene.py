@@ -147,6 +147,11 @@ class Scene(Part):
         return [*own, *self.files.values()]
 
     @property
+    def n_colloids(self) -> int:
+        """Number of colloids, about, before they are placed."""
+        return self.obstacles.n_colloids(self.domain, self._folder)
+
+    @property
     def n_steps(self) -> int:
         """Number of steps of the run."""
         return round(self.run.duration / self.run.time_step)

@@ -10,6 +10,7 @@ import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.nearest import NearestSphere
+from porous_swim.obstacles.pores import closed_share
 
 if TYPE_CHECKING:
     from porous_swim.scene import Scene
@@ -22,6 +23,7 @@ _LONG_ARC = 0.5  # rad between two frames: a circle of fewer than thirteen chord
 # docs/convergence.md: residence times between reflecting walls are this much short, times step and rate of the flow
 _SHORT = 0.11
 _NOTEWORTHY_BIAS = 0.01
+_NOTEWORTHY_ROOM = 0.005
 
 
 def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
@@ -34,6 +36,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
         *_rounding(scene, field),
         *_mid_planes(scene, field),
         *_frames(scene, field),
+        *_pores(scene, field),
     ]
 
 
@@ -117,4 +120,14 @@ def _frames(scene: Scene, field: ObstacleField) -> Iterator[str]:
             f"frames are {every:g} a/U apart, in which a swimmer goes {arc:.2g} rad around a colloid of radius "
             f"{least:g}: the recording and the trajectory show no orbit there; keep record.every below "
             f"{_LONG_ARC * orbit:.2g}"
+        )
+
+
+def _pores(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    clearance = scene.swimmers.aspect_ratio  # of a centre from a surface: of a rod that lies along it
+    share = closed_share(field, clearance)
+    if share > _NOTEWORTHY_ROOM:
+        yield (
+            f"about {100.0 * share:.3g} % of the room for swimmers is in closed pores: all around them surfaces are "
+            f"nearer to each other than {2.0 * clearance:g}, the width of a swimmer, and none that is there ever leaves"
         )

@@ -24,6 +24,7 @@ from porous_swim.engine.news import News
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.survey import Groups
 from porous_swim.errors import RunError
+from porous_swim.footprint import require_memory
 from porous_swim.interrupts import Interrupts
 from porous_swim.observation import Observers
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
@@ -156,7 +157,7 @@ def laws_of(scene: Scene) -> Laws:
 
 def run(
     scene: Scene, *, out: Path | str | None = None, overwrite: bool = False, progress: bool = False,
-    recording: bool = True,
+    recording: bool = True, force_memory: bool = False,
 ) -> Results:  # fmt: skip
     """Run a scene to its end and return its results.
 
@@ -166,9 +167,10 @@ def run(
         overwrite: allow `out` to hold an earlier run, whose files are replaced; no other file is touched.
         progress: say on stderr how far the run is.
         recording: write `recording.rrd`.
+        force_memory: start even where the run is expected to need more memory than there is.
 
     Raises:
-        SceneError: colloids overlap or swimmers do not fit.
+        SceneError: colloids overlap, swimmers do not fit, or the run does not fit into memory.
         DeviceError: the device of the scene is not here.
         ResultsError: `out` is not empty, another run is under way in it, or it cannot be written.
         RunError: a swimmer could not go on, or a file could not be written; `out` keeps what was seen, as far as it
@@ -181,16 +183,19 @@ def run(
         lambda: (
             None if out is None else RunFolder.at(out, overwrite=overwrite, inputs=scene.inputs, say=say)
         ),
-        scene=scene, progress=progress, recording=recording,
+        scene=scene, progress=progress, recording=recording, force_memory=force_memory,
     )  # fmt: skip
 
 
 def run_in(
-    make_folder: Callable[[], RunFolder | None], *, scene: Scene, progress: bool, recording: bool = True
-) -> Results:
+    make_folder: Callable[[], RunFolder | None], *, scene: Scene, progress: bool, recording: bool = True,
+    force_memory: bool = False,
+) -> Results:  # fmt: skip
     """The same in a folder that is made only when the scene is known to start, so that a mistake costs no old run."""
     watch = Stopwatch()
     with Interrupts() as interrupts, ExitStack() as stack:
+        if not force_memory:
+            require_memory(scene)
         with watch.timing("placing"):
             start = Start.of(scene)
         folder = make_folder()

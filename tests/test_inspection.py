@@ -122,7 +122,7 @@ def test_the_memory_said_is_that_of_the_arrays(tmp_path, layout, precision):
     lists = [*simulation.engine._swimmers[:3], survey._origin, survey._origin_int]
     held = sum(array.to_numpy().nbytes for array in lists)
     said = dict(describe(scene))["memory"]
-    assert said == f"{held / 1e3:.0f} kB for the swimmers on the device"
+    assert f" at the peak, {held / 1e3:.0f} kB of it for the swimmers on the device" in said
 
 
 def test_a_scene_with_units_says_its_diffusivities_in_them_too():

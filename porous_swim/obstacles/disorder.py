@@ -55,6 +55,15 @@ class Disorder(Part):
         if domain.size is not None:
             domain.sized_box()
 
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many colloids there will be."""
+        if self.count is not None:
+            return self.count
+        assert self.packing_fraction is not None
+        d = domain.dimensions
+        mean = float(self._shares() @ bulk(np.array(self.radius), d))
+        return round(self.packing_fraction * float(np.prod(domain.sized_box()[:d])) / mean)
+
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return a field that differs with `rng`. An open one is cut out of a periodic one."""
         self.check(domain)
@@ -72,19 +81,18 @@ class Disorder(Part):
     def _centers(self, radii: np.ndarray, box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         """Return (n, d) centres of spheres of `radii` (n,) in the periodic `box` (d,)."""
 
+    def _shares(self) -> np.ndarray:
+        """Return the share of each radius."""
+        shares = np.array(self.fractions or (1.0,) * len(self.radius))
+        return np.asarray(shares / shares.sum())
+
     def _radii_and_box(self, domain: Domain) -> tuple[np.ndarray, np.ndarray]:
         """Return radii (n,), the largest first, and the edges (3,) of the box."""
-        d = domain.dimensions
-        shares = np.array(self.fractions or (1.0,) * len(self.radius))
-        shares /= shares.sum()
-        count = self.count
-        if count is None:
-            assert self.packing_fraction is not None
-            mean = float(shares @ bulk(np.array(self.radius), d))
-            count = round(self.packing_fraction * float(np.prod(domain.sized_box()[:d])) / mean)
-            if not 0 < count <= MOST_COLLOIDS:
-                message = f"expected 1 to {MOST_COLLOIDS} colloids in the box, found {count}"
-                raise KeyedError("obstacles.packing_fraction", message)
+        d, shares = domain.dimensions, self._shares()
+        count = self.n_colloids(domain, Path())
+        if not 0 < count <= MOST_COLLOIDS:
+            message = f"expected 1 to {MOST_COLLOIDS} colloids in the box, found {count}"
+            raise KeyedError("obstacles.packing_fraction", message)
         radii = np.sort(np.repeat(np.array(self.radius), _apportion(count, shares)))[::-1].copy()
         if domain.size is not None:
             box = domain.sized_box()

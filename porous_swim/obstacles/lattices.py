@@ -34,7 +34,7 @@ class Lattice(Part):
         check_all(
             lambda: self._check_dimensions(domain, tag),
             lambda: domain.refuse_size(f"the layout {tag} sets the box from spacing and cells"),
-            self._check_cells,
+            lambda: self._check_cells(domain),
             self._check_spacing,
         )
 
@@ -43,11 +43,11 @@ class Lattice(Part):
             message = f"the layout {tag} needs {self.DIMENSIONS}, found {domain.dimensions}"
             raise KeyedError("domain.dimensions", message)
 
-    def _check_cells(self) -> None:
+    def _check_cells(self, domain: Domain) -> None:
         if len(self.cells) != self.DIMENSIONS:
             message = f"expected {self.DIMENSIONS} numbers of cells, found {len(self.cells)}"
             raise KeyedError("obstacles.cells", message)
-        count = prod(self.cells) * len(self.BASIS)
+        count = self.n_colloids(domain, Path())
         if count > MOST_COLLOIDS:
             raise KeyedError("obstacles.cells", f"expected at most {MOST_COLLOIDS} colloids, found {count}")
 
@@ -56,6 +56,10 @@ class Lattice(Part):
             overlap = 2.0 * self.radius - self.spacing
             message = f"colloids of radius {self.radius:g} overlap by {overlap:.3g}: expected at least"
             raise KeyedError("obstacles.spacing", f"{message} {2.0 * self.radius:g}, found {self.spacing:g}")
+
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many colloids there will be."""
+        return prod(self.cells) * len(self.BASIS)
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the lattice as a field; nothing in it is random."""

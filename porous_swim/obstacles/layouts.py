@@ -31,6 +31,10 @@ class NoObstacles(Part):
         """Raise a `KeyedError` where `domain` lacks a box, or has one that it does not need."""
         _optional_box(domain)
 
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many colloids there will be."""
+        return 0
+
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return a field without colloids."""
         return ObstacleField(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
@@ -49,6 +53,10 @@ class Single(Part):
         """Raise a `KeyedError` where position or box do not fit `domain`."""
         _optional_box(domain)
         as_vector(self.position, key="obstacles.position", dimensions=domain.dimensions)
+
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many colloids there will be."""
+        return 1
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the field of the one colloid."""
@@ -108,6 +116,15 @@ class FromFile(Part):
     def check(self, domain: Domain) -> None:
         """Raise a `KeyedError` where the box does not fit `domain`."""
         _optional_box(domain)
+
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return about how many colloids there will be: a line of the file each."""
+        path = folder / self.path
+        try:
+            with path.open("rb") as file:
+                return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b""))
+        except OSError:
+            return 0  # placing says what is wrong with it
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the field of the file's colloids."""

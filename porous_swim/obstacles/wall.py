@@ -108,6 +108,10 @@ class Wall(Part):
         as_vector(self.position, key=f"{_KEY}.position", dimensions=domain.dimensions)
         unit_vector(self.normal, key=f"{_KEY}.normal", dimensions=domain.dimensions)
 
+    def n_colloids(self, domain: Domain, folder: Path) -> int:
+        """Return how many obstacles there will be."""
+        return 1
+
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return the field of the wall."""
         point = as_vector(self.position, key=f"{_KEY}.position", dimensions=domain.dimensions)

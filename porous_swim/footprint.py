@@ -1,0 +1,87 @@
+"""How much memory and disk a run takes, from its counts alone: before anything is placed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from porous_swim.engine.lags import n_levels
+from porous_swim.engine.state import Long, n_ints, real_rows
+from porous_swim.errors import SceneError
+from porous_swim.machine import available_memory
+from porous_swim.observers.recording import recording_size
+from porous_swim.scene import Scene
+
+# Measured as peaks of resident memory: see docs/performance.md.
+_PROGRAM = 350e6  # Python, libraries, a compiled kernel
+_SWIMMER = {"located": 400.0, "other": 190.0}  # bytes of the host beside copies of the state: places, frames, searches
+_COLLOID = {2: 2.6e3, 3: 7.0e3}  # the cell index while it is made
+_ROW = 60.0  # of the trajectory, on the disk
+_ENCOUNTER = 1200.0  # of the host, a row while tables are made
+_REAL = {"f32": 4, "f64": 8}
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Bytes, at the peak."""
+
+    host: float  # all of it, where the device is the CPU: resident memory
+    device: float  # the swimmers on the device, a part of the former on a CPU
+    swimmers: float  # what of `host` grows with their number
+    colloids: float  # likewise
+    disk: float  # in the end, without encounters
+    encounter: float = _ENCOUNTER  # each under way at the end, or waiting to be written
+
+
+def footprint(scene: Scene) -> Footprint:
+    """What a run of a scene takes. Encounters come on top: their number is what the run is to find out."""
+    n, d, located = scene.swimmers.count, scene.domain.dimensions, scene.integrator == "located"
+    state, origins = bytes_per_swimmer(scene)
+    # on the host as well: where they were placed, and a copy of the state
+    swimmers = n * (state + origins + 48 + state + _SWIMMER["located" if located else "other"])
+    colloids = scene.n_colloids * _COLLOID[d]
+    n_frames = scene.n_steps // scene.record_period + 1
+    disk = recording_size(n_frames=n_frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
+    return Footprint(
+        _PROGRAM + swimmers + colloids, n * (state + origins), swimmers, colloids,
+        disk + _ROW * n_frames * scene.n_recorded,
+    )  # fmt: skip
+
+
+def bytes_per_swimmer(scene: Scene) -> tuple[int, int]:
+    """On the device, of its state and of its origins in time of displacements."""
+    d, real = scene.domain.dimensions, _REAL[scene.precision]
+    located = scene.integrator == "located"
+    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
+    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
+    return rows[0] * real + rows[1] * 4 + len(Long) * 8, origins
+
+
+def require_memory(scene: Scene) -> None:
+    """Raise a `SceneError` with the key to change where a run of the scene cannot fit into memory."""
+    found, free = footprint(scene), available_memory()
+    if found.host <= free.n_bytes:
+        return
+    if found.swimmers >= found.colloids:
+        room = max(0.0, free.n_bytes - found.host + found.swimmers) / found.swimmers
+        key, what, most = "swimmers.count", f"{scene.swimmers.count:,} swimmers", int(room * scene.swimmers.count)
+    else:
+        room = max(0.0, free.n_bytes - found.host + found.colloids) / found.colloids
+        key, what, most = "obstacles", f"{scene.n_colloids:,} colloids", int(room * scene.n_colloids)
+    raise SceneError(
+        f"{key}: a run with {what} takes about {amount(found.host)} of memory, and {amount(free.n_bytes)} are "
+        f"{free.source}: expected at most some {_rounded(most):,}"
+    )
+
+
+def amount(n_bytes: float) -> str:
+    """Bytes in words, in two or three digits."""
+    for size, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if n_bytes >= size:
+            return f"{n_bytes / size:.2g} {unit}" if n_bytes < 100 * size else f"{n_bytes / size:.0f} {unit}"
+    return f"{n_bytes:.0f} bytes"
+
+
+def _rounded(count: int) -> int:
+    """Down to two digits."""
+    digits = max(0, len(str(count)) - 2)
+    return count // 10**digits * 10**digits
