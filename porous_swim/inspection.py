@@ -88,7 +88,7 @@ def _flights(scene: Scene) -> str:
 def _bytes_per_swimmer(scene: Scene) -> int:
     """Of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
-    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
+    origins = n_levels(scene.n_frames, burn_in=scene.burn_in_frames) * (3 * d * real + 4 * 4)
     located = scene.integrator == "located"
     rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8 + origins

@@ -22,7 +22,7 @@ from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.scene_errors import scene_error
 from porous_swim.scene_identity import resolved, save, scene_hash
 from porous_swim.scene_warnings import warnings_of
-from porous_swim.sections import Population, Record, Run, check_flights, check_whole_steps
+from porous_swim.sections import Population, Record, Run, check_burn_in, check_flights, check_whole_steps
 from porous_swim.streams import Stream, generator
 from porous_swim.swarm import Swimmers
 from porous_swim.units import Units, UnitSystem
@@ -142,6 +142,16 @@ class Scene(Part):
         return round(self.record.every / self.run.time_step)
 
     @property
+    def n_frames(self) -> int:
+        """Number of frames after the first, at equal intervals."""
+        return self.n_steps // self.record_period
+
+    @property
+    def burn_in_frames(self) -> int:
+        """Number of the first frame that statistics of a steady state take in."""
+        return -(-round(self.record.burn_in / self.run.time_step) // self.record_period)
+
+    @property
     def n_recorded(self) -> int:
         """Number of swimmers in the recording: the first ones."""
         return min(self.record.swimmers, self.swimmers.count)
@@ -225,6 +235,7 @@ class Scene(Part):
         check_whole_steps("run.duration", self.run.duration, self.run.time_step)
         if self.record.every is not None:
             check_whole_steps("record.every", self.record.every, self.run.time_step)
+        check_burn_in(self.run, self.record)
         check_flights(self.run, self.record, integrator=self.integrator, rotational_diffusion=self.rotational_diffusion)
         self.obstacles.check(self.domain)
         self.swimmers.release.check(self.domain)

@@ -82,6 +82,11 @@ class Record(Part):
 
     every: Annotated[Time, Field(gt=0.0)] | None = None
     """Time between frames, a whole number of steps. Left out: about 200 frames."""
+    burn_in: Annotated[Time, Field(ge=0.0)] = 0.0
+    """Time at the start of the run, a whole number of steps below `run.duration`, that statistics of a steady state
+    leave out: displacements and directors over lags, the diffusivity, fractions of time, rates and densities. Set it
+    to the time in which swimmers forget how they were released. Tables and statistics of single encounters and hops
+    keep all."""
     swimmers: Annotated[Whole, Field(ge=0)] = 200
     """How many swimmers are in the recording and in the trajectory: the first ones, at most all."""
     trails: Annotated[Whole, Field(ge=0)] = 20
@@ -103,6 +108,15 @@ def check_whole_steps(key: str, time: float, time_step: float) -> None:
     if abs(steps - nearest) > 1e-6:
         message = f"{time:.12g} is not a whole number of steps of {time_step:g}"
         raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")
+
+
+def check_burn_in(run: Run, record: Record) -> None:
+    """Raise a `KeyedError` unless the burn-in is a whole number of steps and leaves something of the run."""
+    if record.burn_in >= run.duration:
+        message = f"expected less than run.duration ({run.duration:g}), found {record.burn_in:g}"
+        raise KeyedError("record.burn_in", message)
+    if record.burn_in > 0.0:
+        check_whole_steps("record.burn_in", record.burn_in, run.time_step)
 
 
 def check_flights(run: Run, record: Record, *, integrator: str, rotational_diffusion: float) -> None:
