@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column
-from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
+from porous_swim.analysis.diffusion import EffectiveDiffusivity
 from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import HopStatistics, flights, hop_statistics
@@ -42,18 +42,16 @@ def summarize(
     """Statistics of a run, ready for JSON: each is `{value, standard_error, n, n_censored, unit}`.
 
     The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone,
-    infinite without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of
-    warnings; what the numbers themselves give rise to follows.
+    infinite without noise. `warnings` come first in the list of warnings; what the numbers themselves give rise to
+    follows. Where there is no effective diffusivity `reason` says why.
     """
     residence, passage = residence_times(encounters), escape_pitch_times(encounters)
-    late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
-    persistence_time = min(persistence_time, director_memory(lags))
-    shown = late.n_lags > 0 and (late.linear or late.value > 0.0)  # orbits come back: a slope below 0 is none
-    reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
+    late, info = ensemble_diffusivity(lags), TableInfo.of(encounters)
+    doubt = _why_no_diffusivity(late, info, persistence_time, director_memory(lags))
     found = [
-        *_residence_warnings(residence, TableInfo.of(encounters).duration),
+        *_residence_warnings(residence, info.duration),
         *_passage_warnings(encounters),
-        *_diffusivity_warnings(late, duration, persistence_time),
+        *([doubt] if late.n and doubt is not None else []),
     ]
     return {
         "residence": _waiting(residence),
@@ -63,15 +61,17 @@ def summarize(
         "flights": _waiting(flights(encounters)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": (late.estimate() if shown else Estimate.none("a U")).as_dict(),
-            "window": list(late.window) if shown else None,
-            "reliable": reliable,
+            "effective": (late.estimate() if doubt is None else Estimate.none("a U")).as_dict(),
+            "window": list(late.window) if doubt is None else None,
+            "reliable": doubt is None,
+            "reason": doubt,
         },
         "fractions": {
             "bound": bound_fraction(encounters).as_dict(),
             "contact": contact_fraction(encounters).as_dict(),
             "contact_of_encounters": contact_fraction_of_encounters(encounters).as_dict(),
         },
+        "burn_in": info.burn_in,
         "warnings": [*warnings, *found],
     }
 
@@ -137,22 +137,24 @@ def _passage_warnings(encounters: pa.Table | Encounters) -> Iterable[str]:
         yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
 
 
-def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persistence_time: float) -> Iterable[str]:
-    if late.n and not late.n_lags:
-        yield none_for(late.n)
-    elif late.n and math.isinf(persistence_time):
-        yield (
-            "Swimmers keep their directors all through the run, and there is no rotational noise: the effective "
-            "diffusivity means little."
+def _why_no_diffusivity(
+    late: EffectiveDiffusivity, info: TableInfo, persistence_time: float, memory: float
+) -> str | None:
+    """What the displacements say, and what noise says where directors do not turn in time to tell."""
+    if late.reason is not None or math.isfinite(memory):
+        return late.reason
+    if math.isinf(persistence_time):
+        return (
+            "There is no effective diffusivity: swimmers keep their directors all through the run, and there is no "
+            "rotational noise."
         )
-    elif late.n and duration < PERSISTENCE_TIMES_WANTED * persistence_time:
-        yield (
-            f"The effective diffusivity comes from a run of {duration:g} a/U, shorter than "
-            f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "
-            "the motion is not yet diffusive."
+    if info.steady_duration < PERSISTENCE_TIMES_WANTED * persistence_time:
+        return (
+            f"There is no effective diffusivity: the run has {info.steady_duration:g} a/U, shorter than "
+            f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each), and the motion is not "
+            "yet diffusive."
         )
-    elif late.n and (doubt := doubt_of(late)) is not None:
-        yield doubt
+    return None
 
 
 _LINES = (  # (label, where in the summary)
@@ -177,6 +179,7 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
         statistic = summary[group][name]
         if statistic["value"] is not None:
             lines.append(f"{label}: {_in_words(statistic)}")
+    lines += [] if (start := _steady_from(summary)) is None else [start]
     return [*lines, *(f"warning: {warning}" for warning in summary["warnings"])]
 
 
@@ -187,8 +190,15 @@ def summary_page(summary: Mapping[str, Any]) -> str:
         if summary[group][name]["value"] is not None:
             rows.append(f"| {label} | {_in_words(summary[group][name])} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
+    table += "" if (start := _steady_from(summary)) is None else f"\n\n{start}"
     warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])
     return f"{table}\n\n{warnings}" if warnings else table
+
+
+def _steady_from(summary: Mapping[str, Any]) -> str | None:
+    """What averages over time leave out."""
+    burn_in = summary.get("burn_in", 0.0)
+    return f"averages over time leave out the first {burn_in:g} a/U (record.burn_in)" if burn_in else None
 
 
 def _in_words(statistic: Mapping[str, Any]) -> str:

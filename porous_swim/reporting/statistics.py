@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from porous_swim.plots.scales import Scales, pretty
-from porous_swim.reporting.numbers import NONE, physical, statistics, value_and_error
+from porous_swim.reporting.numbers import NONE, both, physical, statistics, value_and_error
 from porous_swim.reporting.run import Run
 from porous_swim.reporting.section import Cell, Number, Section, Table
 
@@ -47,10 +47,16 @@ def section(runs: Sequence[Run]) -> Section:
         "All statistics", "statistics",
         text=[
             "Each value with one standard error, for which the swimmers are the independent samples. n counts what the "
-            "value rests on; censored are those of which the run saw only a part."
+            "value rests on; censored are those of which the run saw only a part.",
+            *(run.says(f"Averages over time leave out the first {_burn_in(run)}.") for run in runs if _burn_in(run)),
         ],
         tables=[table],
     )  # fmt: skip
+
+
+def _burn_in(run: Run) -> str:
+    burn_in = run.results.info.burn_in
+    return f"{both(burn_in, 'a/U', run.scales)} (record.burn_in)" if burn_in else ""
 
 
 def name_of(path: tuple[str, ...]) -> str:
