@@ -52,7 +52,7 @@ def bytes_per_swimmer(scene: Scene) -> tuple[int, int]:
     d, real = scene.domain.dimensions, _REAL[scene.precision]
     located = scene.integrator == "located"
     rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
-    origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
+    origins = n_levels(scene.n_frames, burn_in=scene.burn_in_frames) * (3 * d * real + 4 * 4)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8, origins
 
 

@@ -169,6 +169,16 @@ class Scene(Part):
         return round(self.record.every / self.run.time_step)
 
     @property
+    def n_frames(self) -> int:
+        """Number of frames after the first, at equal intervals."""
+        return self.n_steps // self.record_period
+
+    @property
+    def burn_in_frames(self) -> int:
+        """Number of the first frame that statistics of a steady state take in."""
+        return -(-round(self.record.burn_in / self.run.time_step) // self.record_period)
+
+    @property
     def n_recorded(self) -> int:
         """Number of swimmers in the recording: the first ones."""
         return min(self.record.swimmers, self.swimmers.count)

@@ -49,6 +49,14 @@ def _whole_record(scene: Scene) -> None:
         raise KeyedError("record.every", f"expected at most run.duration ({run.duration:g}), found {every:g}")
 
 
+def _burn_in(scene: Scene) -> None:
+    burn_in, run = scene.record.burn_in, scene.run
+    if burn_in >= run.duration:
+        raise KeyedError("record.burn_in", f"expected less than run.duration ({run.duration:g}), found {burn_in:g}")
+    if burn_in > 0.0:
+        _check_whole_steps("record.burn_in", burn_in, run.time_step)
+
+
 def _check_whole_steps(key: str, time: float, time_step: float) -> None:
     """Raise a `KeyedError` for `key` unless `time` is a whole number of steps, within 1e-6 of a step."""
     steps = time / time_step
@@ -115,5 +123,5 @@ def _integrator(scene: Scene) -> None:
 
 
 _CHECKS: tuple[Callable[[Scene], None], ...] = (
-    _whole_run, _whole_record, _step_can_be_added, _flights, _obstacles, _release, _encounter, _integrator,
+    _whole_run, _whole_record, _burn_in, _step_can_be_added, _flights, _obstacles, _release, _encounter, _integrator,
 )  # fmt: skip

@@ -86,6 +86,11 @@ class Record(Part):
 
     every: Annotated[Time, Field(gt=0.0, le=LONGEST_TIME)] | None = None
     """Time between frames, a whole number of steps, at most `run.duration`. Left out: about 200 frames."""
+    burn_in: Annotated[Time, Field(ge=0.0, le=LONGEST_TIME)] = 0.0
+    """Time at the start of the run, a whole number of steps below `run.duration`, that statistics of a steady state
+    leave out: displacements and directors over lags, the diffusivity, fractions of time, rates and densities. Set it
+    to the time in which swimmers forget how they were released. Tables and statistics of single encounters and hops
+    keep all."""
     swimmers: Annotated[Whole, Field(ge=0, lt=2**31)] = 200
     """How many swimmers are in the recording and in the trajectory: the first ones, at most all."""
     trails: Annotated[Whole, Field(ge=0, lt=2**31)] = 20

@@ -83,9 +83,9 @@ class Simulation:
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
             variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=news, log_path=log_path,
         )  # fmt: skip
-        n_frames = scene.n_steps // scene.record_period
-        self._survey = self.engine.survey(n_levels=n_levels(n_frames))
-        self.lags = Lags(self._survey, period=scene.record_period, n_frames=n_frames)
+        frames = {"n_frames": scene.n_frames, "burn_in": scene.burn_in_frames}
+        self._survey = self.engine.survey(n_levels=n_levels(**frames))
+        self.lags = Lags(self._survey, period=scene.record_period, **frames)
 
     @property
     def step(self) -> int:
@@ -128,11 +128,12 @@ class Simulation:
 
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
         """What holds for all tables of this run, as of now."""
-        units = self.scene.unit_system
+        scene, units = self.scene, self.scene.unit_system
         return TableInfo(
             n_swimmers=self.engine.n_swimmers, dimensions=self.field.dimensions, box=tuple(self.field.box.tolist()),
-            first_time=0.0, last_time=self.time, time_step=self.scene.run.time_step, provenance=provenance,
+            first_time=0.0, last_time=self.time, time_step=scene.run.time_step, provenance=provenance,
             units=None if units is None else {"length_um": units.length, "time_s": units.time},
+            burn_in=scene.record.burn_in, spacing=self.field.spacing,
         )  # fmt: skip
 
 

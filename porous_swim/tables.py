@@ -7,6 +7,7 @@ Reading needs neither Taichi nor a GPU.
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -15,6 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from porous_swim.errors import ResultsError
@@ -109,6 +111,18 @@ class TableInfo:
     time_step: float  # a/U
     units: dict[str, Any] | None  # what a and U are, where the scene says so
     provenance: dict[str, Any]
+    burn_in: float = 0.0  # a/U, from the first time on, that statistics of a steady state leave out
+    spacing: float | None = None  # a, mean distance of colloids; None without any, or where the field is open
+
+    @property
+    def steady_from(self) -> float:
+        """Time from which on statistics of a steady state are taken, in a/U."""
+        return self.first_time + self.burn_in
+
+    @property
+    def steady_duration(self) -> float:
+        """Time that they cover, in a/U."""
+        return max(self.last_time - self.steady_from, 0.0)
 
     @property
     def duration(self) -> float:
@@ -131,6 +145,19 @@ class TableInfo:
         """`table` with this information in its schema's metadata."""
         stored = json.dumps(asdict(self), allow_nan=False).encode()
         return table.replace_schema_metadata({**(table.schema.metadata or {}), _INFO_KEY: stored})
+
+
+def steady_from(table: HasSchema) -> float:
+    """Time, a/U, from which on statistics of a steady state are taken: -inf for a table that is not of a run."""
+    return TableInfo.of(table).steady_from if _INFO_KEY in (table.schema.metadata or {}) else -math.inf
+
+
+def steady_frames(trajectory: pa.Table) -> pa.Table:
+    """The rows that statistics of a steady state take in."""
+    first = steady_from(trajectory)
+    if first <= 0.0:
+        return trajectory
+    return trajectory.filter(pc.greater(trajectory["time"], first - 0.5 * TableInfo.of(trajectory).time_step))
 
 
 def make_table(schema: pa.Schema, columns: Mapping[str, np.ndarray], *, info: TableInfo) -> pa.Table:

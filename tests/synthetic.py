@@ -59,9 +59,13 @@ def lags(about: TableInfo, time: np.ndarray, position: np.ndarray, director: np.
     """The table of lags of times (n,), positions and directors (n, n_swimmers, 3); each swimmer is a group."""
     n_last, n_swimmers = len(time) - 1, position.shape[1]
     rows: dict[str, list[np.ndarray]] = {field.name: [] for field in LAGS_SCHEMA}
-    for spacing in LAGS_OF:
-        for lag in (lag for lag in LAGS_OF[spacing] if lag <= max(1.0, 0.5 * n_last)):
-            first = np.arange(0, n_last - lag + 1, spacing)
+    reached = {spacing: [lag for lag in LAGS_OF[spacing] if lag <= max(1.0, 0.5 * n_last)] for spacing in LAGS_OF}
+    reached = {spacing: lags for spacing, lags in reached.items() if lags}
+    for spacing, lags in reached.items():
+        if spacing == max(reached):  # four windows or more of the longest lag
+            spacing = min(spacing, int(np.ceil(lags[-1] / 4)))
+        for lag in lags:
+            first = np.arange(spacing // 2, n_last - lag + 1, spacing)
             if len(first) == 0:
                 continue
             square = np.sum((position[first + lag] - position[first]) ** 2, axis=2)

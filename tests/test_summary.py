@@ -33,11 +33,12 @@ def summary_of(
     clock = np.linspace(0.0, about.last_time, 41)
     position = np.cumsum(np.random.default_rng(0).normal(size=(41, n_swimmers, 3)), axis=0)
     position[:, 1:] = position[:, :1] if alike else position[:, 1:]
+    directors = np.ones((len(clock), n_swimmers, 3))  # that never turn: only noise says how long they last
     return summarize(
         encounters,
         synthetic.colloids(about, centers, radius=radius),
         make_table(TIMESERIES_SCHEMA, columns, info=about),
-        synthetic.lags(about, clock, position, np.ones((len(clock), n_swimmers, 3))),
+        synthetic.lags(about, clock, position, directors),
         persistence_time=persistence_time,
         **options,
     )
@@ -48,7 +49,7 @@ def test_a_summary_has_every_group_and_each_statistic_its_five_entries() -> None
     found = summary_of(synthetic.random_moves(rng, n_swimmers=20, n_rows=200, last_time=100.0))
     assert set(found) == {
         "residence", "escape_pitch_time", "winding", "hops", "returns", "flights", "msd", "diffusivity",
-        "fractions", "warnings",
+        "fractions", "burn_in", "warnings",
     }  # fmt: skip
     statistics = [entry for group in found.values() if isinstance(group, dict) for entry in group.values()]
     statistics = [entry for entry in statistics if isinstance(entry, dict)]
@@ -125,6 +126,8 @@ def test_a_diffusivity_from_a_short_run_is_warned_of_after_the_warnings_given() 
     assert found["warnings"][0] == "first"
     assert "shorter than 10 persistence times (20 a/U each)" in found["warnings"][1]
     assert not found["diffusivity"]["reliable"]
+    assert found["diffusivity"]["effective"]["value"] is None
+    assert found["diffusivity"]["reason"] == found["warnings"][1]
 
 
 @pytest.mark.parametrize(("n_swimmers", "alike"), [(1, False), (19, False), (20, True), (20, False)])
@@ -262,4 +265,4 @@ def test_a_slope_below_zero_of_swimmers_that_come_back_is_no_diffusivity() -> No
         persistence_time=10.0,
     )  # fmt: skip
     assert found["diffusivity"]["effective"]["value"] is None
-    assert "not yet diffusive" in found["warnings"][-1]
+    assert "There is no effective diffusivity" in found["warnings"][-1]

@@ -27,6 +27,25 @@ def persistent(
 
     The director decays by c = exp(-turning^2/2) each step.
     """
+    position, directors = _persistent(rng, n_swimmers, n_frames, turning, diffusivity)
+    about = synthetic.info(n_swimmers=n_swimmers, last_time=n_frames - 1.0, dimensions=2)
+    return synthetic.trajectory(about, np.arange(float(n_frames)), position, directors)
+
+
+def persistent_lags(
+    rng: np.random.Generator, *, n_swimmers: int, n_frames: int, every: int, turning: float, diffusivity: float = 0.0
+) -> pa.Table:
+    """The table of lags of `persistent`, with frames after the first at each of `every` steps."""
+    position, directors = _persistent(rng, n_swimmers, n_frames * every + 1, turning, diffusivity)
+    about = synthetic.info(n_swimmers=n_swimmers, last_time=float(n_frames * every), dimensions=2)
+    clock = np.arange(n_frames + 1) * float(every)
+    return synthetic.lags(about, clock, position[::every], directors[::every])
+
+
+def _persistent(
+    rng: np.random.Generator, n_swimmers: int, n_frames: int, turning: float, diffusivity: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and directors (n_frames, n_swimmers, 3)."""
     angle = rng.uniform(0.0, 2.0 * np.pi, n_swimmers) + np.concatenate(
         [np.zeros((1, n_swimmers)), np.cumsum(turning * rng.normal(size=(n_frames - 1, n_swimmers)), axis=0)]
     )
@@ -34,8 +53,7 @@ def persistent(
     steps = np.zeros(directors.shape)
     steps[1:] = directors[:-1]
     steps[1:, :, :2] += np.sqrt(2.0 * diffusivity) * rng.normal(size=(n_frames - 1, n_swimmers, 2))
-    about = synthetic.info(n_swimmers=n_swimmers, last_time=n_frames - 1.0, dimensions=2)
-    return synthetic.trajectory(about, np.arange(float(n_frames)), np.cumsum(steps, axis=0), directors)
+    return np.cumsum(steps, axis=0), directors
 
 
 def persistent_msd(n: np.ndarray, *, turning: float, diffusivity: float = 0.0) -> np.ndarray:

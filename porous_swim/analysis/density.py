@@ -11,7 +11,7 @@ from porous_swim.analysis.columns import DIRECTORS, column, needs, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
 from porous_swim.analysis.places import centers_of, sphere_radii_of
 from porous_swim.errors import ResultsError
-from porous_swim.tables import TableInfo
+from porous_swim.tables import TableInfo, steady_frames
 
 
 @needs(trajectory="swimmer x y")
@@ -19,11 +19,13 @@ def cell_density(trajectory: pa.Table, *, cell: tuple[float, float] | None = Non
     """Distribution of positions in the plane, folded into the rectangle from 0 to `cell`, all heights together.
 
     `cell`, in a, is that of the lattice (the box over its number of cells); by default the whole box.
-    Frames share swimmers: the errors are over swimmers. The table needs its `TableInfo`.
+    Frames are those after the burn-in of the run. They share swimmers: the errors are over swimmers. The table needs
+    its `TableInfo`.
 
     Raises:
         ValueError: a cell without area, as in an open field.
     """
+    trajectory = steady_frames(trajectory)
     box = TableInfo.of(trajectory).box
     edge_x, edge_y = cell or box[:2]
     if not (edge_x > 0.0 and edge_y > 0.0):
@@ -48,6 +50,7 @@ def height_pitch_density(trajectory: pa.Table, colloids: pa.Table, *, heights: n
     Raises:
         ResultsError: a field without colloids, or a plane wall.
     """
+    trajectory = steady_frames(trajectory)
     colloid = column(trajectory, "colloid")
     if len(colloids) == 0 or np.any(colloid < 0):
         raise ResultsError("trajectory: found a field without any, where heights have no meaning")

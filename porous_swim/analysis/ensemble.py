@@ -7,8 +7,6 @@ samples, as swimmers are; a last group of fewer swimmers is left out. Lengths in
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -16,10 +14,12 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.diffusion import (
     FEWEST_LAGS,
+    FEWEST_SWIMMERS,
     MOST_LAGS,
     SWIMMERS_PER_LAG,
+    DiffusivityFit,
     EffectiveDiffusivity,
-    first_linear,
+    none_for,
 )
 from porous_swim.analysis.displacements import non_gaussian
 from porous_swim.analysis.lagged import TimeAverages
@@ -60,7 +60,7 @@ def ensemble_non_gaussian_parameter(lags: pa.Table) -> Lagged:
     return non_gaussian(ensemble_msd(lags), _averages(lags, "fourth_moment"), TableInfo.of(lags).dimensions)
 
 
-@needs(lags="lag n_swimmers msd")
+@needs(lags="lag n_swimmers msd director_correlation")
 def ensemble_diffusivity(
     lags: pa.Table, *, window: tuple[float, float] | None = None, level: float = 0.95
 ) -> EffectiveDiffusivity:
@@ -68,26 +68,23 @@ def ensemble_diffusivity(
 
     `n` counts the swimmers of whole groups. NaN where there are fewer than 20 groups, or 4 lags.
     """
-    squares, info = ensemble_msd(lags), TableInfo.of(lags)
-    found = first_linear(
-        _windows(squares, window), n=squares.n, dimensions=info.dimensions, level=level, given=window is not None
-    )
-    return replace(found, n=squares.n * _group_size(lags))
+    squares = ensemble_msd(lags)
+    about = DiffusivityFit(squares.n * _group_size(lags), TableInfo.of(lags), level)
+    if squares.n < FEWEST_SWIMMERS or len(squares.lag) == 0:
+        return about.nothing(none_for(about.n))
+    if window is not None:
+        return about.given(_window(squares, *window))
+    return about.chosen(lambda start: _window(squares, start, math.inf), squares, ensemble_director_correlation(lags))
 
 
-def _windows(squares: TimeAverages, window: tuple[float, float] | None) -> Iterator[TimeAverages]:
-    """Four to eight lags from the window given; or up to the longest and from ever later, twice as late each time."""
-    if len(squares.lag) == 0:
-        return
-    first, last = squares.lag[0], squares.lag[-1]
-    # the rounding of a whole number of doublings must not give the first window twice
-    starts = [last / 2.0**k for k in range(math.ceil(math.log2(last / first) - 1e-9), 0, -1)]
-    for begin, end in [window] if window is not None else [(start, last) for start in starts]:
-        inside = np.flatnonzero((squares.lag >= begin * (1.0 - 1e-9)) & (squares.lag <= end * (1.0 + 1e-9)))
-        n_lags = min(MOST_LAGS, squares.n // SWIMMERS_PER_LAG, len(inside))
-        if n_lags >= FEWEST_LAGS:
-            chosen = inside[np.rint(np.linspace(0, len(inside) - 1, n_lags)).astype(int)]
-            yield TimeAverages(squares.lag[chosen], squares.each[chosen])
+def _window(squares: TimeAverages, start: float, end: float) -> TimeAverages | None:
+    """Four to eight of the lags from `start` to `end`; None where there are fewer."""
+    inside = np.flatnonzero((squares.lag >= start * (1.0 - 1e-9)) & (squares.lag <= end * (1.0 + 1e-9)))
+    n_lags = min(MOST_LAGS, squares.n // SWIMMERS_PER_LAG, len(inside))
+    if n_lags < FEWEST_LAGS:
+        return None
+    chosen = inside[np.rint(np.linspace(0, len(inside) - 1, n_lags)).astype(int)]
+    return TimeAverages(squares.lag[chosen], squares.each[chosen])
 
 
 def _group_size(lags: pa.Table) -> int:

@@ -147,17 +147,20 @@ class HopStatistics:
 def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> HopStatistics:
     """Rates, times and lengths of hops. The table of encounters needs its `TableInfo`.
 
+    Rates are those after the burn-in of the run (`record.burn_in`); all else is of all hops.
     Without a second colloid, or an image of the one, there is nowhere to hop, and without any nowhere to return: no
     rates, not rates of 0.
     """
     info = TableInfo.of(encounters)
     nearest = Nearest(colloids, box=info.box)
-    sums: list[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = []
+    sums: list[tuple[dict[str, np.ndarray], ...]] = []
     for part in parts_of(encounters, *WHEN, *_WHERE):
         every = moves(part)
         same = same_colloid(every)
-        sums.append((_hop_sums(every.select(~same), colloids, nearest, info), _counts(every.select(same))))
-    hopped, returned = (joined(each) for each in zip(*sums, strict=True))
+        late = every.start_time >= info.steady_from
+        counts = _counts(every.select(~same & late)), _counts(every.select(same & late))
+        sums.append((_hop_sums(every.select(~same), colloids, nearest, info), *counts))
+    hopped, hopped_late, returned_late = (joined(each) for each in zip(*sums, strict=True))
     n = int(hopped["n"].sum())
 
     def mean(values: str, unit: str) -> Estimate:
@@ -168,8 +171,8 @@ def hop_statistics(encounters: pa.Table | Encounters, colloids: pa.Table) -> Hop
         nearest_share = replace(Estimate.none(""), n=n, warning=UNKNOWN)
     elsewhere = len(colloids) > 1 or (len(colloids) == 1 and any(info.box))
     return HopStatistics(
-        hop_rate=_rate(hopped["n"], info) if elsewhere else Estimate.none("U/a"),
-        return_rate=_rate(returned["n"], info) if len(colloids) else Estimate.none("U/a"),
+        hop_rate=_rate(hopped_late["n"], info) if elsewhere else Estimate.none("U/a"),
+        return_rate=_rate(returned_late["n"], info) if len(colloids) else Estimate.none("U/a"),
         time=mean("time", "a/U"),
         length=mean("length", "a"),
         displacement=mean("displacement", "a"),
@@ -206,7 +209,7 @@ def hop_vectors(hopped: Moves, colloids: pa.Table, *, box: tuple[float, float, f
 
 
 def _rate(counts: np.ndarray, info: TableInfo) -> Estimate:
-    if info.duration <= 0.0:
+    if info.steady_duration <= 0.0:
         return Estimate.none("U/a")
-    value, error = mean_over_swimmers(counts / info.duration, n_swimmers=info.n_swimmers)
+    value, error = mean_over_swimmers(counts / info.steady_duration, n_swimmers=info.n_swimmers)
     return Estimate(value, error, int(counts.sum()), 0, "U/a")

@@ -16,6 +16,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import DIRECTORS, PLACES, needs
 from porous_swim.analysis.transport import Tracks, error_of_mean, mean_of_known, tracks
 from porous_swim.errors import ResultsError
+from porous_swim.tables import steady_frames
 
 N_LAGS = 30  # by default, in geometric order
 LONGEST = 0.5  # of the run: beyond, starts share so much of their way that they add nothing
@@ -84,14 +85,16 @@ def director_overlap(step: np.ndarray, before: np.ndarray, after: np.ndarray) ->
 
 
 def even_frames(trajectory: pa.Table) -> Tracks:
-    """The recorded swimmers at equal intervals; a last frame that comes early (the end of a run) is left out.
+    """The recorded swimmers at equal intervals, after the burn-in of the run.
+
+    A last frame that comes early (the end of a run) is left out.
 
     Frames that nobody is in may be missing: they stay so, NaN for all.
 
     Raises:
         ResultsError: other frames are not at equal intervals, or half of them are missing.
     """
-    recorded = tracks(trajectory)
+    recorded = tracks(steady_frames(trajectory))
     interval = np.diff(recorded.time)
     if len(interval) > 1 and interval[-1] < interval[0] * (1.0 - 1e-6):
         recorded = Tracks(recorded.time[:-1], recorded.swimmer, recorded.position[:-1], recorded.director[:-1])

@@ -28,11 +28,23 @@ class Persistence:
     """U/((d - 1) D_r) for a free swimmer in d dimensions."""
     lag: float  # a/U, where it is read
     reached: bool
-    """False where the run is too short for the correlation of directors to vanish: `length` is then too small."""
+    """False where the correlation of directors does not vanish in the run: `length` is then too small."""
     projection: TimeAverages
     """Mean displacement along the first director against lag, a."""
     correlation: TimeAverages
     """Mean of e(t + lag).e(t)."""
+
+    @property
+    def reason(self) -> str | None:
+        """Why `length` is not to be trusted: a sentence for reports and summaries; None where it is."""
+        if self.reached:
+            return None
+        if len(self.correlation.lag) == 0:
+            return "There is no persistence length: it needs three frames at equal intervals (record.every)."
+        return (
+            f"Directors are remembered for longer than {self.lag:g} a/U, half of the run: the persistence length is "
+            "longer than what was seen of it."
+        )
 
 
 @needs(trajectory=f"{PLACES} {DIRECTORS}")

@@ -13,7 +13,7 @@ from porous_swim.analysis.estimates import Estimate, Swimmers, joined, mean_over
 from porous_swim.analysis.lifetimes import Lifetimes
 from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes
 from porous_swim.encounters import Encounters, parts_of
-from porous_swim.tables import TableInfo
+from porous_swim.tables import TableInfo, steady_from
 
 WHEN = ("swimmer", "start_time", "end_time", "start_censored", "end_censored")
 _STAYS = " ".join(WHEN)
@@ -101,19 +101,19 @@ def escape_pitch_times(encounters: pa.Table | Encounters, *, horizon: float | No
 
 @needs(encounters=_FRACTIONS)
 def bound_fraction(encounters: pa.Table | Encounters) -> Estimate:
-    """Fraction of all swimmers' time spent in encounters, averaged over the run. Needs the `TableInfo`."""
+    """Fraction of all swimmers' time spent in encounters, after the burn-in of the run. Needs the `TableInfo`."""
     return _time_fraction(_times(encounters)["bound"], TableInfo.of(encounters))
 
 
 @needs(encounters=_FRACTIONS)
 def contact_fraction(encounters: pa.Table | Encounters) -> Estimate:
-    """Fraction of all swimmers' time spent in contact, averaged over the run. Needs the `TableInfo`."""
+    """Fraction of all swimmers' time spent in contact, after the burn-in of the run. Needs the `TableInfo`."""
     return _time_fraction(_times(encounters)["contact"], TableInfo.of(encounters))
 
 
 @needs(encounters=_FRACTIONS)
 def contact_fraction_of_encounters(encounters: pa.Table | Encounters) -> Estimate:
-    """Fraction of the time in encounters that is spent in contact."""
+    """Fraction of the time in encounters that is spent in contact, after the burn-in of the run."""
     sums = _times(encounters)
     value, error = ratio_of_sums(sums["contact"], sums["bound"])
     return Estimate(value, error, int(sums["n"].sum()), int(sums["n_censored"].sum()), "")
@@ -136,13 +136,19 @@ def bound_fraction_at(encounters: pa.Table, time: np.ndarray) -> tuple[np.ndarra
 
 
 def _times(encounters: pa.Table | Encounters) -> dict[str, np.ndarray]:
-    """Of each swimmer that occurs: times bound and in contact, a/U, and numbers of encounters."""
+    """Of each swimmer that occurs, after the burn-in: times bound and in contact, a/U, and numbers of encounters."""
+    first = steady_from(encounters)
 
     def sums(part: pa.Table) -> dict[str, np.ndarray]:
         swimmers, censored = Swimmers.of(column(part, "swimmer")), column(part, "end_censored")
+        length, end = residence_lengths(part), column(part, "end_time")
+        counts = end >= first
+        bound = np.where(counts, end - np.maximum(column(part, "start_time"), first), 0.0)
+        # When in an encounter contact was is not in the table: its part after the burn-in has its part of it.
+        share = np.divide(bound, length, out=counts.astype(float), where=length > 0.0)
         values = {
-            "bound": residence_lengths(part), "contact": column(part, "contact_time"),
-            "n": np.ones(len(part)), "n_censored": censored,
+            "bound": bound, "contact": share * column(part, "contact_time"),
+            "n": counts, "n_censored": censored & counts,
         }  # fmt: skip
         return {name: swimmers.sums(value) for name, value in values.items()}
 
@@ -150,7 +156,7 @@ def _times(encounters: pa.Table | Encounters) -> dict[str, np.ndarray]:
 
 
 def _time_fraction(sums: np.ndarray, info: TableInfo) -> Estimate:
-    if info.duration <= 0.0:
+    if info.steady_duration <= 0.0:
         return Estimate(np.nan, np.nan, 0, 0, "")
-    value, error = mean_over_swimmers(sums / info.duration, n_swimmers=info.n_swimmers)
+    value, error = mean_over_swimmers(sums / info.steady_duration, n_swimmers=info.n_swimmers)
     return Estimate(value, error, info.n_swimmers, 0, "")

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, needs
-from porous_swim.analysis.diffusion import EffectiveDiffusivity, doubt_of, none_for
+from porous_swim.analysis.diffusion import EffectiveDiffusivity
 from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
 from porous_swim.analysis.hops import MOVES, HopStatistics, flights, hop_statistics
@@ -53,17 +53,15 @@ def summarize(
 
     One that is not to be trusted has a `warning` besides, which says why.
     The tables carry their `TableInfo`. `persistence_time` is 1/((dimensions - 1) D_r) in a/U, that of noise alone,
-    infinite without noise; what is shorter counts, that or `director_memory`. `warnings` come first in the list of
-    warnings; what the numbers themselves give rise to follows.
+    infinite without noise. `warnings` come first in the list of warnings; what the numbers themselves give rise to
+    follows. Where there is no effective diffusivity `reason` says why.
     """
     residence, passage, away = residence_times(encounters), escape_pitch_times(encounters), flights(encounters)
-    late, duration = ensemble_diffusivity(lags), TableInfo.of(lags).duration
-    persistence_time = min(persistence_time, director_memory(lags))
-    shown = late.n_lags > 0 and (late.linear or late.value > 0.0)  # orbits come back: a slope below 0 is none
-    reliable = late.linear and duration >= PERSISTENCE_TIMES_WANTED * persistence_time
-    stays = list(_residence_warnings(residence, TableInfo.of(encounters).duration))
-    doubts = list(_diffusivity_warnings(late, duration, persistence_time))
-    found = [*_lone_warning(timeseries), *stays, *_passage_warnings(encounters), *doubts]
+    late, info = ensemble_diffusivity(lags), TableInfo.of(encounters)
+    doubt = _why_no_diffusivity(late, info, persistence_time, director_memory(lags))
+    duration, doubts = info.duration, [] if doubt is None else [doubt]
+    stays = list(_residence_warnings(residence, duration))
+    found = [*_lone_warning(timeseries), *stays, *_passage_warnings(encounters), *(doubts if late.n else [])]
     return {
         "residence": _waiting(residence, stays),
         "escape_pitch_time": _waiting(passage, _mean_warnings(passage, duration)),
@@ -72,15 +70,17 @@ def summarize(
         "flights": _waiting(away, _mean_warnings(away, duration)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": _marked(late.estimate() if shown else Estimate.none("a U"), doubts),
-            "window": list(late.window) if shown else None,
-            "reliable": reliable,
+            "effective": _marked(late.estimate() if doubt is None else Estimate.none("a U"), doubts),
+            "window": list(late.window) if doubt is None else None,
+            "reliable": doubt is None,
+            "reason": doubt,
         },
         "fractions": {
             "bound": bound_fraction(encounters).as_dict(),
             "contact": contact_fraction(encounters).as_dict(),
             "contact_of_encounters": contact_fraction_of_encounters(encounters).as_dict(),
         },
+        "burn_in": info.burn_in,
         "warnings": [*warnings, *found],
     }
 
@@ -169,22 +169,24 @@ def _passage_warnings(encounters: pa.Table | Encounters) -> Iterable[str]:
         yield f"In {missing} of the {n} encounters that ended the escape pitch was not passed."
 
 
-def _diffusivity_warnings(late: EffectiveDiffusivity, duration: float, persistence_time: float) -> Iterable[str]:
-    if late.n and not late.n_lags:
-        yield none_for(late.n)
-    elif late.n and math.isinf(persistence_time):
-        yield (
-            "Swimmers keep their directors all through the run, and there is no rotational noise: the effective "
-            "diffusivity means little."
+def _why_no_diffusivity(
+    late: EffectiveDiffusivity, info: TableInfo, persistence_time: float, memory: float
+) -> str | None:
+    """What the displacements say, and what noise says where directors do not turn in time to tell."""
+    if late.reason is not None or math.isfinite(memory):
+        return late.reason
+    if math.isinf(persistence_time):
+        return (
+            "There is no effective diffusivity: swimmers keep their directors all through the run, and there is no "
+            "rotational noise."
         )
-    elif late.n and duration < PERSISTENCE_TIMES_WANTED * persistence_time:
-        yield (
-            f"The effective diffusivity comes from a run of {duration:g} a/U, shorter than "
-            f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each): "
-            "the motion is not yet diffusive."
+    if info.steady_duration < PERSISTENCE_TIMES_WANTED * persistence_time:
+        return (
+            f"There is no effective diffusivity: the run has {info.steady_duration:g} a/U, shorter than "
+            f"{PERSISTENCE_TIMES_WANTED:g} persistence times ({persistence_time:.3g} a/U each), and the motion is not "
+            "yet diffusive."
         )
-    elif late.n and (doubt := doubt_of(late)) is not None:
-        yield doubt
+    return None
 
 
 _LINES = (  # (label, where in the summary)
@@ -212,6 +214,7 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
             if (doubt := statistic.get("warning")) is not None:
                 lines.append(f"  doubtful: {doubt}")
                 told += doubt
+    lines += [] if (start := _steady_from(summary)) is None else [start]
     return [*lines, *(f"warning: {warning}" for warning in summary["warnings"] if warning not in told)]
 
 
@@ -226,8 +229,15 @@ def summary_page(summary: Mapping[str, Any]) -> str:
             mark = "" if doubt is None else f"; **doubtful**: {doubt}"
             rows.append(f"| {label} | {_in_words(shown)}{mark} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
+    table += "" if (start := _steady_from(summary)) is None else f"\n\n{start}"
     warnings = "\n".join(f"- {warning}" for warning in summary["warnings"])
     return f"{table}\n\n{warnings}" if warnings else table
+
+
+def _steady_from(summary: Mapping[str, Any]) -> str | None:
+    """What averages over time leave out."""
+    burn_in = summary.get("burn_in", 0.0)
+    return f"averages over time leave out the first {burn_in:g} a/U (record.burn_in)" if burn_in else None
 
 
 def _in_words(statistic: Mapping[str, Any]) -> str:

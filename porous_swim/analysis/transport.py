@@ -55,6 +55,8 @@ class Diffusivity:
     n: int  # swimmers
     window: tuple[float, float]  # a/U, the lags of the fit
     reliable: bool  # False where the run is shorter than 10 persistence times
+    reason: str | None = None
+    """Why `value` is not to be trusted: a sentence for reports and summaries; None where it is."""
 
     def estimate(self) -> Estimate:
         """The diffusivity with its error and count."""
@@ -137,12 +139,19 @@ def diffusivity(trajectory: pa.Table, *, persistence_time: float) -> Diffusivity
     squares = squares[:, ~np.isnan(squares).any(axis=0)] if recorded.gaps else squares
     n = squares.shape[1]
     if n == 0 or np.count_nonzero(late) < 2:
-        return Diffusivity(math.nan, math.nan, 0, window, False)
+        reason = "There is no diffusivity: it needs swimmers and two frames in the second half of the run."
+        return Diffusivity(math.nan, math.nan, 0, window, False, reason)
     centred = lag[late] - lag[late].mean()
     slope = centred @ squares / np.sum(centred**2)  # (n_swimmers,)
     each = slope / (2.0 * TableInfo.of(trajectory).dimensions)
     error = float(np.std(each, ddof=1)) / math.sqrt(n) if n > 1 else math.nan
-    return Diffusivity(float(np.mean(each)), error, n, window, reliable)
+    if reliable:
+        return Diffusivity(float(np.mean(each)), error, n, window, True)
+    doubt = (
+        f"The run of {duration:g} a/U is shorter than {PERSISTENCE_TIMES_WANTED:g} persistence times "
+        f"({persistence_time:.3g} a/U each): the value is the slope from {window[0]:g} a/U on, no diffusivity yet."
+    )
+    return Diffusivity(float(np.mean(each)), error, n, window, False, doubt)
 
 
 def _lag(recorded: Tracks) -> np.ndarray:

@@ -44,6 +44,14 @@ class ObstacleField:
             return None
         return float(bulk(self.radii, self.dimensions).sum() / np.prod(self.box[: self.dimensions]))
 
+    @property
+    def spacing(self) -> float | None:
+        """Mean distance of colloids, a: edge of the cube (square in 2-D) that each has; None unless all axes repeat."""
+        edges = self.box[: self.dimensions]
+        if self.surface != "sphere" or len(self.radii) == 0 or np.any(edges == 0.0):
+            return None
+        return float((np.prod(edges) / len(self.radii)) ** (1.0 / self.dimensions))
+
     def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the colloid with the nearest surface for each of `points`, (n, 3) absolute positions.
 

@@ -62,9 +62,9 @@ def _fit(axis, run: Shown[Displacements], *, name_it: bool) -> None:
     lag = np.geomspace(*fit.window, 50)
     line = fit.offset + 2.0 * run.data.dimensions * fit.value * lag
     shown = line > 0.0
-    name = "fit: effective diffusivity" if fit.linear else "fit: last window"
+    name = "fit: effective diffusivity" if name_it else None
     axis.axvspan(*fit.window, color=run.color, alpha=0.08, linewidth=0)
-    axis.plot(lag[shown], line[shown], color=run.color, linewidth=2.0, alpha=0.6, label=name if name_it else None)
+    axis.plot(lag[shown], line[shown], color=run.color, linewidth=2.0, alpha=0.6, label=name)
 
 
 def _limits(shown: list[Shown[Displacements]]) -> tuple[float, float]:

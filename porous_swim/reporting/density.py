@@ -15,9 +15,11 @@ from porous_swim.plots.style import Shown
 from porous_swim.reporting.numbers import both
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Section
+from porous_swim.tables import steady_frames
 
 HEIGHTS = 4.0  # a; escape heights, where they are larger, are doubled
 N_HEIGHTS = 60
+_NOBODY = "No swimmer was recorded (record.swimmers), or none after the burn-in."
 
 
 def height_pitch_section(runs: Sequence[Run]) -> Section:
@@ -29,8 +31,8 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         if len(results.colloids) == 0:
             missing.append(run.says("There are no colloids to be high above."))
             continue
-        if len(results.trajectory) == 0:
-            missing.append(run.says("No swimmer was recorded (record.swimmers)."))
+        if len(steady_frames(results.trajectory)) == 0:
+            missing.append(run.says(_NOBODY))
             continue
         escape = None if run.scene is None else run.scene.encounter.escape_height
         top = HEIGHTS if escape is None else max(HEIGHTS, 2.0 * escape)
@@ -57,12 +59,13 @@ def _height_pitch(run: Run, heights: np.ndarray) -> Map:
     results, normal = run.results, run.wall_normal
     if normal is None:
         return height_pitch_density(results.trajectory, results.colloids, heights=heights)
-    offset = vectors(results.trajectory, "x", "y", "z") - centers_of(results.colloids)[0]
-    sine = vectors(results.trajectory, "ex", "ey", "ez") @ normal
+    seen = steady_frames(results.trajectory)
+    offset = vectors(seen, "x", "y", "z") - centers_of(results.colloids)[0]
+    sine = vectors(seen, "ex", "ey", "ez") @ normal
     return histogram_2d(
         np.arcsin(np.clip(sine, -1.0, 1.0)), offset @ normal,
         x_edges=np.linspace(-0.5 * np.pi, 0.5 * np.pi, N_HEIGHTS + 1), y_edges=heights,
-        swimmer=column(results.trajectory, "swimmer"),
+        swimmer=column(seen, "swimmer"),
     )  # fmt: skip
 
 
@@ -74,8 +77,8 @@ def cell_section(runs: Sequence[Run]) -> Section:
         if not (run.results.info.box[0] > 0.0 and run.results.info.box[1] > 0.0):
             missing.append(run.says("The domain is open: there is no cell to fold positions into."))
             continue
-        if len(run.results.trajectory) == 0:
-            missing.append(run.says("No swimmer was recorded (record.swimmers)."))
+        if len(steady_frames(run.results.trajectory)) == 0:
+            missing.append(run.says(_NOBODY))
             continue
         if run.results.info.dimensions == 3 and _cells(run) is None:
             missing.append(run.says("The field is no lattice: all of it seen along z would show nothing."))

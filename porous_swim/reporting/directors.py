@@ -34,13 +34,8 @@ def section(runs: Sequence[Run]) -> Section:
         free = None if D_r is None else director_correlation(lag, D_r, dimensions=run.results.info.dimensions)
         shown.append(run.shows(directors.Directors(found.correlation, free)))
         rows.append(_row(run, found))
-        if not found.reached:
-            warnings.append(
-                run.says(
-                    f"Directions are remembered for longer than {found.lag:g} a/U, half of the run: windows are "
-                    "too short for the persistence length and for late statistics."
-                )
-            )
+        if found.reason is not None:
+            warnings.append(run.says(found.reason))
     return Section(
         "Directions", "directors",
         draw=(lambda: directors.draw(shown, scales_of(runs))) if shown else None,
@@ -56,6 +51,10 @@ def _row(run: Run, found: Persistence) -> list[str | Number]:
     length = found.length
     error = length.standard_error if np.isfinite(length.standard_error) else None
     return [
-        run.label, Number(both(length.value, "a", run.scales, error=error), length.value),
+        run.label,
+        Number(
+            both(length.value, "a", run.scales, error=error), length.value,
+            note="" if found.reached else "too small: directors are remembered for longer",
+        ),
         both(found.lag, "a/U", run.scales), f"{length.n:,}",
     ]  # fmt: skip

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from porous_swim.analysis import EffectiveDiffusivity, ensemble_diffusivity, ensemble_msd, msd_exponent
-from porous_swim.analysis.diffusion import LINEAR, doubt_of, none_for
 from porous_swim.errors import ResultsError
 from porous_swim.plots import displacements
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.free_walk import squared_displacement
-from porous_swim.reporting.numbers import both, interval
+from porous_swim.reporting.numbers import NONE, both, interval
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Number, Section, Table
 
@@ -20,7 +19,7 @@ from porous_swim.reporting.section import Number, Section, Table
 def section(runs: Sequence[Run]) -> Section:
     """Displacements of all swimmers against lag."""
     shown: list[Shown[displacements.Displacements]] = []
-    missing, warnings, rows = [], [], []
+    missing, doubts, rows = [], [], []
     for run in runs:
         try:
             found = _displacements(run)
@@ -32,17 +31,18 @@ def section(runs: Sequence[Run]) -> Section:
             continue
         shown.append(run.shows(found))
         rows.append(_row(run, found.diffusivity))
-        warnings += [run.says(sentence) for sentence in _doubts(found.diffusivity)]
+        if found.diffusivity.reason is not None:
+            doubts.append(run.says(found.diffusivity.reason))
     header = ["run", "effective diffusivity", "95 % interval", "lags of the fit", "p: a straight line", "swimmers"]
     return Section(
         "Displacements", "displacements",
-        text=["Diffusivity: a straight line with an offset through four to eight lags, weighted by their covariance."],
+        text=["Diffusivity: a line with an offset through four to eight lags, weighted as for Brownian motion."],
         draw=(lambda: displacements.draw(shown, scales_of(runs))) if shown else None,
         caption="Mean squared displacement of all swimmers (left; shaded: the lags of the fit) and its exponent "
         "(right); bars are one standard error over swimmers.",
-        tables=[Table(header, rows)] if rows else [],
+        tables=[Table(header, rows, caption=" ".join(doubts))] if rows else [],
         missing=missing,
-        warnings=warnings,
+        warnings=doubts,
     )  # fmt: skip
 
 
@@ -63,26 +63,10 @@ def _displacements(run: Run) -> displacements.Displacements | None:
 
 def _row(run: Run, fit: EffectiveDiffusivity) -> list[str | Number]:
     if not np.isfinite(fit.value):
-        return [run.label, "–", "–", "–", "–", f"{fit.n:,}"]
+        return [run.label, NONE, NONE, NONE, NONE, f"{fit.n:,}"]
     return [
         run.label,
-        Number(
-            both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value,
-            note=_note(fit),
-        ),
+        Number(both(fit.value, "a U", run.scales, error=fit.standard_error), fit.value),
         interval(*fit.interval, "a U", run.scales),
         interval(*fit.window, "a/U", run.scales), f"{fit.p_value:.2g}", f"{fit.n:,}",
     ]  # fmt: skip
-
-
-def _note(fit: EffectiveDiffusivity) -> str:
-    if fit.linear:
-        return ""
-    return "the last window alone is linear" if fit.p_value > LINEAR else "no line fits: not a diffusivity"
-
-
-def _doubts(fit: EffectiveDiffusivity) -> list[str]:
-    if not np.isfinite(fit.value):
-        return [none_for(fit.n)]
-    doubt = doubt_of(fit)
-    return [] if doubt is None else [doubt]

@@ -42,5 +42,5 @@ def _series(run: Run) -> Iterator[str]:
     if abs(last - third) > STEADY * error > 0.0:
         yield (
             f"The fraction bound still changes: {third:.3f} in the third quarter of the run, {last:.3f} in the last. "
-            "Averages over the run depend on how it began."
+            "Averages over the run depend on how it began: record.burn_in leaves its start out of them."
         )

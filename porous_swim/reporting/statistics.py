@@ -48,10 +48,16 @@ def section(runs: Sequence[Run]) -> Section:
         text=[
             "Each value with one standard error, for which the swimmers are the independent samples. n counts what the "
             "value rests on; censored are those of which the run saw only a part. "
-            "What is doubtful is marked below the value."
+            "What is doubtful is marked below the value.",
+            *(run.says(f"Averages over time leave out the first {_burn_in(run)}.") for run in runs if _burn_in(run)),
         ],
         tables=[table],
     )  # fmt: skip
+
+
+def _burn_in(run: Run) -> str:
+    burn_in = run.results.info.burn_in
+    return f"{both(burn_in, 'a/U', run.scales)} (record.burn_in)" if burn_in else ""
 
 
 def name_of(path: tuple[str, ...]) -> str:
