@@ -136,6 +136,11 @@ def test_the_persistence_length_is_that_of_the_exact_walk() -> None:
     assert found.length.standard_error < 0.03 / (1.0 - c)
     short = persistence(table.filter(pc.less(table["time"], 6.0)))
     assert not short.reached
+    assert found.reason is None
+    assert short.reason == (
+        "Directors are remembered for longer than 2 a/U, half of the run: the persistence length is longer than what "
+        "was seen of it."
+    )
     assert short.length.value < 0.6 / (1.0 - c)
 
 

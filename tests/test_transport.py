@@ -78,7 +78,12 @@ def test_error_of_the_diffusivity_is_the_spread_over_repeats() -> None:
 def test_a_run_of_few_persistence_times_is_flagged() -> None:
     table = table_of_walk(3, n_swimmers=5, n_steps=200, every=20)  # 10 a/U
     assert diffusivity(table, persistence_time=1.0).reliable
+    assert diffusivity(table, persistence_time=1.0).reason is None
     assert not diffusivity(table, persistence_time=1.01).reliable
+    assert diffusivity(table, persistence_time=1.01).reason == (
+        "The run of 10 a/U is shorter than 10 persistence times (1.01 a/U each): the value is the slope from 5 a/U on, "
+        "no diffusivity yet."
+    )
     assert not diffusivity(table, persistence_time=np.inf).reliable
 
 
