@@ -1,6 +1,6 @@
 """What is read back of a run must be what a run can leave: one look at metadata, summary and tables, once.
 
-Each table in memory is scanned column by column (some 5 ns a number); a table of encounters that is too long for memory
+Each table in memory is scanned column by column (about a nanosecond a number); a table of encounters that is too long for memory
 part by part, as it is read, so that to load it costs nothing.
 """
 

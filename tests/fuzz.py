@@ -21,7 +21,7 @@ import yaml
 import porous_swim as ps
 from porous_swim.errors import SceneError
 
-LONGEST = 10.0  # seconds of CPU for one scene
+LONGEST = 20.0  # seconds of CPU for one scene: half of that takes a crowd of colloids far smaller than swimmers
 MOST = 100_000  # colloids and swimmers that are placed: more of them take long by right
 
 PLANE = {"dimensions": 2}
@@ -134,8 +134,10 @@ def look(path: Path) -> str:
 
 
 def _n_colloids(scene: ps.Scene) -> float:
-    """About how many colloids a layout places, from its numbers alone."""
+    """About how many colloids a layout places, from its numbers alone; those of a packing count ten times."""
     layout: Any = scene.obstacles
+    if layout.layout == "packing":
+        return 10.0 * layout.count if layout.count else MOST + 1.0
     if hasattr(layout, "cells"):
         return float(np.prod(np.array(layout.cells, float)) * len(layout.BASIS))
     if getattr(layout, "count", None):
