@@ -19,7 +19,7 @@ _COLLOID = {2: 2.6e3, 3: 7.0e3}  # the cell index while it is made
 _ROW = 60.0  # of the trajectory, on the disk
 _ENCOUNTER = 200.0  # on the disk
 _PACE = 40.0  # a/U from encounter to encounter of a swimmer among colloids, to within a factor of three
-_WAITING, _TABLED = 2 * 200.0, 1.2e3  # of the host, for each encounter that waits for the disk, or becomes a table
+_WAITING, _TABLED = 2 * 200.0, 1.0e3  # of the host, for each encounter that waits for the disk, or becomes a table
 _REAL = {"f32": 4, "f64": 8}
 
 
