@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from porous_swim.engine.lags import n_levels
+from porous_swim.engine.row_store import AT_ONCE, PIECE
 from porous_swim.engine.state import Long, n_ints, real_rows
 from porous_swim.errors import SceneError
 from porous_swim.machine import available_memory
@@ -13,10 +14,12 @@ from porous_swim.scene import Scene
 
 # Measured as peaks of resident memory: see docs/performance.md.
 _PROGRAM = 350e6  # Python, libraries, a compiled kernel
-_SWIMMER = {"located": 400.0, "other": 190.0}  # bytes of the host beside copies of the state: places, frames, searches
+_SWIMMER = 48.0 + 110.0  # bytes of the host beside copies of the state: the start, and what searches and frames take
 _COLLOID = {2: 2.6e3, 3: 7.0e3}  # the cell index while it is made
 _ROW = 60.0  # of the trajectory, on the disk
-_ENCOUNTER = 1200.0  # of the host, a row while tables are made
+_ENCOUNTER = 200.0  # on the disk
+_PACE = 40.0  # a/U from encounter to encounter of a swimmer among colloids, to within a factor of three
+_WAITING, _TABLED = 2 * 200.0, 1.0e3  # of the host, for each encounter that waits for the disk, or becomes a table
 _REAL = {"f32": 4, "f64": 8}
 
 
@@ -28,22 +31,22 @@ class Footprint:
     device: float  # the swimmers on the device, a part of the former on a CPU
     swimmers: float  # what of `host` grows with their number
     colloids: float  # likewise
-    disk: float  # in the end, without encounters
-    encounter: float = _ENCOUNTER  # each under way at the end, or waiting to be written
+    disk: float  # in the end
 
 
 def footprint(scene: Scene) -> Footprint:
-    """What a run of a scene takes. Encounters come on top: their number is what the run is to find out."""
-    n, d, located = scene.swimmers.count, scene.domain.dimensions, scene.integrator == "located"
+    """What a run of a scene takes. How many encounters there will be is guessed; few of them are in memory at once."""
+    n = scene.swimmers.count
     state, origins = bytes_per_swimmer(scene)
-    # on the host as well: where they were placed, and a copy of the state
-    swimmers = n * (state + origins + 48 + state + _SWIMMER["located" if located else "other"])
-    colloids = scene.n_colloids * _COLLOID[d]
+    swimmers = n * (state + origins + state + _SWIMMER)  # the state twice, as it is made and looked at on the host
+    colloids = scene.n_colloids * _COLLOID[scene.domain.dimensions]
+    encounters = n * scene.run.duration / _PACE if scene.n_colloids else 0.0
+    rows = _WAITING * min(encounters, PIECE) + _TABLED * min(encounters, AT_ONCE)
     n_frames = scene.n_steps // scene.record_period + 1
     disk = recording_size(n_frames=n_frames, n_swimmers=scene.n_recorded, n_trails=scene.n_trails)
     return Footprint(
-        _PROGRAM + swimmers + colloids, n * (state + origins), swimmers, colloids,
-        disk + _ROW * n_frames * scene.n_recorded,
+        _PROGRAM + swimmers + colloids + rows, n * (state + origins), swimmers, colloids,
+        disk + _ROW * n_frames * scene.n_recorded + _ENCOUNTER * encounters,
     )  # fmt: skip
 
 

@@ -97,10 +97,9 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
         ("expected time", _time(expected_seconds(scene, field))),
         (
             "memory",
-            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device; and "
-            f"{found.encounter / 1e3:g} kB for each encounter under way at the end, 0.7 GB at most for others",
+            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device",
         ),
-        ("disk", f"about {amount(found.disk)} and 200 bytes for each encounter; twice that while tables are written"),
+        ("disk", f"about {amount(found.disk)} for recording and tables, and twice that while they are written"),
         ("recording", f"about {amount(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
