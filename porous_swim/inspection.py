@@ -10,10 +10,11 @@ from porous_swim.analysis.theory import critical_radius
 from porous_swim.costs import COMPILING, Seconds, expected_seconds
 from porous_swim.engine.lags import n_levels
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.state import Long, n_ints, real_rows
+from porous_swim.engine.state import Long, has_mates, n_ints, real_rows
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import WallField
+from porous_swim.physics.contact import shape_of
 from porous_swim.scene import Scene
 
 
@@ -76,7 +77,7 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
         ("expected time", _time(expected_seconds(scene, field))),
-        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene))} for the swimmers on the device"),
+        ("memory", f"{_bytes(n * _bytes_per_swimmer(scene, field))} for the swimmers on the device"),
         ("recording", f"about {_bytes(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
     ]
 
@@ -85,12 +86,14 @@ def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
 
 
-def _bytes_per_swimmer(scene: Scene) -> int:
+def _bytes_per_swimmer(scene: Scene, field: ObstacleField) -> int:
     """Of its state, and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, {"f32": 4, "f64": 8}[scene.precision]
     origins = n_levels(scene.n_steps // scene.record_period) * (3 * d * real + 4 * 4)
     located = scene.integrator == "located"
-    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
+    shape = shape_of(scene.swimmers.aspect_ratio, float(field.radii.min(initial=math.inf)))
+    mates = has_mates(shape, scene.integrator)
+    rows = real_rows(d, located=located).n_memory, n_ints(located=located, mates=mates, n_sets=1)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8 + origins
 
 

@@ -115,9 +115,10 @@ class Observers:
             persistence = math.inf if D_r == 0.0 else 1.0 / ((dimensions - 1) * D_r)
             statistics = summarize(
                 stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
-                persistence_time=persistence, warnings=warnings,
+                persistence_time=persistence, warnings=[*warnings, *_jammed(self._simulation)],
             )  # fmt: skip
-        summary = {"status": status, "units": info.units, "provenance": provenance} | statistics
+        jammed = {"jammed_steps": self._simulation.engine.jammed}
+        summary = {"status": status, "units": info.units, "provenance": provenance} | jammed | statistics
         with self._watch.timing("recording"):
             if self._recording is not None:
                 self._recording.set_summary(summary_page(summary))
@@ -169,6 +170,17 @@ class Observers:
             provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
         )  # fmt: skip
         self._all.append(self._recording)
+
+
+def _jammed(simulation: Simulation) -> Iterator[str]:
+    """Say how often colloids left a swimmer no room."""
+    n = simulation.engine.jammed
+    if n:
+        share = n / max(1, simulation.step * simulation.engine.n_swimmers)
+        yield (
+            f"In {n:,} steps of swimmers ({100.0 * share:.2g} % of all) three or more colloids left no room for a "
+            "swimmer that points as it did: it turned freely, stayed where it was and overlapped them."
+        )
 
 
 @contextmanager

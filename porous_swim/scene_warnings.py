@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.narrow_gaps import narrow_gaps
 from porous_swim.obstacles.nearest import NearestSphere
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
         *_flow(scene, field),
         *_rounding(scene, field),
         *_mid_planes(scene, field),
+        *_narrow_gaps(scene, field),
     ]
 
 
@@ -102,3 +104,14 @@ def _mid_planes(scene: Scene, field: ObstacleField) -> Iterator[str]:
             f"halfway between neighbours (alpha = {scene.swimmers.dipole_strength:.4g}, typical gap "
             f"{np.median(gaps):.3g})"
         )
+
+
+def _narrow_gaps(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    """A swimmer passes where surfaces are as far apart as it is thick, a rod that points along the gap."""
+    gamma = scene.swimmers.aspect_ratio
+    gaps = narrow_gaps(field, 2.0 * gamma)
+    if len(gaps):
+        how = "are 2 thick" if gamma == 1.0 else f"are {2.0 * gamma:.3g} thick at least, whichever way they point"
+        number = "1 gap between colloids is" if len(gaps) == 1 else f"{len(gaps):,} gaps between colloids are"
+        smallest = f"{gaps[0]:.3g}" if len(gaps) == 1 else f"the narrowest is {gaps[0]:.3g}"
+        yield f"{number} too narrow for swimmers to pass ({smallest}): swimmers {how}"
