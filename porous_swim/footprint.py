@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from porous_swim.engine.lags import n_levels
 from porous_swim.engine.row_store import AT_ONCE, PIECE
-from porous_swim.engine.state import Long, n_ints, real_rows
+from porous_swim.engine.state import Long, has_mates, n_ints, real_rows
 from porous_swim.errors import SceneError
 from porous_swim.machine import available_memory
 from porous_swim.observers.recording import recording_size
+from porous_swim.physics.contact import shape_of
 from porous_swim.scene import Scene
 
 # Measured as peaks of resident memory: see docs/performance.md.
@@ -54,7 +56,9 @@ def bytes_per_swimmer(scene: Scene) -> tuple[int, int]:
     """On the device, of its state and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, _REAL[scene.precision]
     located = scene.integrator == "located"
-    rows = real_rows(d, located=located).n_memory, n_ints(located=located, n_sets=1)
+    spheres = scene.obstacles.layout not in ("none", "wall")  # whatever their radii: they are not placed yet
+    mates = has_mates(shape_of(scene.swimmers.aspect_ratio, 1.0 if spheres else math.inf), scene.integrator)
+    rows = real_rows(d, located=located).n_memory, n_ints(located=located, mates=mates, n_sets=1)
     origins = n_levels(scene.n_frames, burn_in=scene.burn_in_frames) * (3 * d * real + 4 * 4)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8, origins
 

@@ -159,9 +159,10 @@ class Observers:
             with outputs.optional(STATISTICS):
                 statistics = summarize(
                     stored, *(tables[name] for name in ("colloids", "timeseries", "lags")),
-                    persistence_time=persistence, warnings=warnings,
+                    persistence_time=persistence, warnings=[*warnings, *_jammed(self._simulation)],
                 )  # fmt: skip
         summary: dict[str, Any] = {"status": status, "units": info.units, "provenance": provenance}
+        summary["jammed_steps"] = self._simulation.engine.jammed
         summary |= with_physical(statistics, Scales.of(info.units))
         with self._watch.timing("recording"):
             self._forget_lost()
@@ -245,6 +246,17 @@ class Observers:
             provenance=provenance_of(self._simulation), units=None if units is None else (units.length, units.time),
         )  # fmt: skip
         self._all.append(self._recording)
+
+
+def _jammed(simulation: Simulation) -> Iterator[str]:
+    """Say how often colloids left a swimmer no room."""
+    n = simulation.engine.jammed
+    if n:
+        share = n / max(1, simulation.step * simulation.engine.n_swimmers)
+        yield (
+            f"In {n:,} steps of swimmers ({100.0 * share:.2g} % of all) three or more colloids left no room for a "
+            "swimmer that points as it did: it turned freely, stayed where it was and overlapped them."
+        )
 
 
 def _ended_by(columns: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.narrow_gaps import narrow_gaps
 from porous_swim.obstacles.nearest import NearestSphere
 from porous_swim.obstacles.pores import closed_share
 
@@ -36,6 +37,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
         *_rounding(scene, field),
         *_mid_planes(scene, field),
         *_frames(scene, field),
+        *_narrow_gaps(scene, field),
         *_pores(scene, field),
     ]
 
@@ -131,3 +133,14 @@ def _pores(scene: Scene, field: ObstacleField) -> Iterator[str]:
             f"about {100.0 * share:.3g} % of the room for swimmers is in closed pores: all around them surfaces are "
             f"nearer to each other than {2.0 * clearance:g}, the width of a swimmer, and none that is there ever leaves"
         )
+
+
+def _narrow_gaps(scene: Scene, field: ObstacleField) -> Iterator[str]:
+    """A swimmer passes where surfaces are as far apart as it is thick, a rod that points along the gap."""
+    gamma = scene.swimmers.aspect_ratio
+    gaps = narrow_gaps(field, 2.0 * gamma)
+    if len(gaps):
+        how = "are 2 thick" if gamma == 1.0 else f"are {2.0 * gamma:.3g} thick at least, whichever way they point"
+        number = "1 gap between colloids is" if len(gaps) == 1 else f"{len(gaps):,} gaps between colloids are"
+        smallest = f"{gaps[0]:.3g}" if len(gaps) == 1 else f"the narrowest is {gaps[0]:.3g}"
+        yield f"{number} too narrow for swimmers to pass ({smallest}): swimmers {how}"

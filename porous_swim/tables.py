@@ -37,6 +37,7 @@ ENCOUNTERS_SCHEMA = pa.schema(
         *_columns("start_time end_time", _REAL, "a/U"),
         *_columns("start_censored end_censored", _FLAG),
         *_columns("contact_time", _REAL, "a/U"),  # by both ends of each step: of second order in it
+        # by the encounter's own colloid; that of another colloid touched meanwhile goes to no encounter
         *_columns("wall_push", _REAL, "a"),
         *_columns("winding", _REAL, "turns"),  # 0 at a plane wall, around which nobody winds
         *_columns("signed_winding", _REAL, "turns", nullable=True),  # null in three dimensions

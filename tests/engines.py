@@ -10,6 +10,7 @@ from porous_swim.engine import backend
 from porous_swim.engine.engine import Engine
 from porous_swim.engine.laws import Laws, Numbers
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.obstacles.insertion import insert
 from porous_swim.physics.hydrodynamics import ImageDipole
 
 
@@ -36,6 +37,16 @@ def fcc(*, radius=5.0, spacing=16.0, cells=2) -> ObstacleField:
     corners = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), -1).reshape(-1, 1, 3) * a
     basis = np.array([(0, 0, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 0.5, 0)]) * a
     return field_of((corners + basis).reshape(-1, 3), radius, [cells * a] * 3)
+
+
+def packed(n: int, *, seed=0, smallest=1.0, largest=5.0, fraction=0.25) -> ObstacleField:
+    """`n` spheres of nine radii at random in a periodic box, none overlapping."""
+    rng = np.random.default_rng(seed)
+    radii = np.sort(rng.choice(np.linspace(smallest, largest, 9), n))[::-1].copy()
+    edge = float((4.0 / 3.0 * np.pi * np.sum(radii**3) / fraction) ** (1.0 / 3.0))
+    centers = insert(radii, np.full(3, edge), rng)
+    assert len(centers) == n
+    return field_of(centers, radii, (edge,) * 3)
 
 
 def released(field: ObstacleField, n: int, *, seed=0, clearance=1.01) -> tuple[np.ndarray, np.ndarray]:

@@ -6,23 +6,11 @@ import numpy as np
 import pytest
 
 import porous_swim as ps
-from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.insertion import insert
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
-from tests.engines import field_of, make_engine, released
+from tests.engines import field_of, make_engine, packed, released
 
 F32_ROUNDING = 2e-6  # a; one unit in the last place of an offset of 16 to 32
 TIE = 1e-5  # a; two surfaces that differ by less count as equally near
-
-
-def packed(n: int, *, seed=0, smallest=1.0, largest=5.0, fraction=0.25) -> ObstacleField:
-    """`n` spheres of nine radii at random in a periodic box, none overlapping."""
-    rng = np.random.default_rng(seed)
-    radii = np.sort(rng.choice(np.linspace(smallest, largest, 9), n))[::-1].copy()
-    edge = float((4.0 / 3.0 * np.pi * np.sum(radii**3) / fraction) ** (1.0 / 3.0))
-    centers = insert(radii, np.full(3, edge), rng)
-    assert len(centers) == n
-    return field_of(centers, radii, (edge,) * 3)
 
 
 @pytest.mark.parametrize("precision", ["f32", "f64"])

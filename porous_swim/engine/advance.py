@@ -12,6 +12,7 @@ from porous_swim.engine.encounters import make_encounters, make_orient, make_rec
 from porous_swim.engine.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.log import Log
 from porous_swim.engine.move import make_step
+from porous_swim.engine.pairs import make_pair, make_swap
 from porous_swim.engine.reflect import make_reflect
 from porous_swim.engine.rows import make_vectors, make_wide
 from porous_swim.engine.settle import make_settle
@@ -25,6 +26,7 @@ from porous_swim.engine.state import (
     Long,
     Total,
     clock_of_events,
+    has_mates,
     real_rows,
 )
 from porous_swim.engine.swimmers import Rules, Swimmers, put_image, set_of
@@ -50,12 +52,17 @@ class Structure:
     surface: Surface = "sphere"  # of the obstacles
     flights: bool = False  # whether steps grow far from every colloid
 
+    @property
+    def mates(self) -> bool:
+        """Whether lanes know a second colloid."""
+        return has_mates(self.shape, self.integrator)
+
 
 @cache
 def make_mover(structure: Structure):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)` of the structure's integrator.
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the structure's integrator.
 
-    `swimmer` holds the number of the swimmer in each lane.
+    `swimmer` holds the number of the swimmer in each lane; `n_pairs` is 0 where none of them has a mate.
     """
     real, dimensions = structure.real, structure.dimensions
     drift = structure.hydrodynamics.make_drift(real, structure.surface)
@@ -65,20 +72,22 @@ def make_mover(structure: Structure):
     if structure.integrator == "located":
         rate = make_motion(drift, real, height_and_slope, surface)
         return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
+    pair = make_pair(real, dimensions, height_and_slope) if structure.mates else None
     if structure.integrator == "reflected":
         integrate = make_reflected(drift, real, dimensions, structure.variates, height_and_slope, surface)
-        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface, structure.flights)
+        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface, pair, structure.flights)
     integrate = make_euler(drift, real, dimensions, structure.variates)
-    return make_step(real, dimensions, integrate, contact_height, sphere, surface)
+    return make_step(real, dimensions, integrate, contact_height, sphere, surface, pair)
 
 
 @cache
-def make_lanes(real, dimensions: int, threshold, integrator: str, flights: bool):
+def make_lanes(real, dimensions: int, threshold, integrator: str, mates: bool, flights: bool):
     """Return `load` and `store`, between memory and lane j of a block."""
     located, middle = integrator == "located", clock_of_events(integrator)
     rows = real_rows(dimensions, located=located)
     recall = make_recall(located)
     get_image, _ = make_vectors(3)
+    _, sync = make_swap(dimensions)
 
     @ti.func
     def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
@@ -98,7 +107,7 @@ def make_lanes(real, dimensions: int, threshold, integrator: str, flights: bool)
         recall(n, j, i, swimmers)
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
         n[Int.EVENT][j] |= int(Event.ORIENT)
-        n[LaneInt.SWIMMER][j] = i
+        n[LaneInt.SWIMMER][j], n[LaneInt.SWAPPED][j] = i, 0
         if ti.static(flights):  # launches begin where flights may
             n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
 
@@ -107,6 +116,8 @@ def make_lanes(real, dimensions: int, threshold, integrator: str, flights: bool)
         """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
         i = n[LaneInt.SWIMMER][j]
         if i >= 0:
+            if ti.static(mates):
+                sync(n, j, i, swimmers)
             for row in ti.static(range(rows.n_shared)):
                 swimmers.real[row, i] = f[row][j]
             swimmers.int[int(Int.STEP), i] = n[Int.STEP][j]
@@ -138,12 +149,15 @@ def make_advance(structure: Structure):
     book = make_book(real, dimensions, surface, integrator, structure.flights)
     whole, _ = make_wide(dimensions)
     get, put = make_vectors(dimensions)
-    settle = make_settle(real, dimensions, contact_height, sphere, surface, integrator)
-    orient = make_orient(real, dimensions, located)
+    height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
+    settle = make_settle(real, dimensions, height_and_slope, contact_height, sphere, surface, integrator)
+    mates = structure.mates
+    orient = make_orient(real, dimensions, located, mates)
     encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator)
     to = make_surface(real, surface)
     threshold = make_threshold(real, contact_height, sphere, surface)
-    load, store = make_lanes(real, dimensions, threshold, integrator, structure.flights)
+    load, store = make_lanes(real, dimensions, threshold, integrator, structure.mates, structure.flights)
+    swap, sync = make_swap(dimensions)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
@@ -152,6 +166,8 @@ def make_advance(structure: Structure):
     def attend(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
+        if ti.static(mates):
+            sync(n, j, i, swimmers)
         event = n[Int.EVENT][j]
         n[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
         if event & int(Event.LOCATE):  # a swimmer just placed stays where it is
@@ -221,10 +237,12 @@ def make_advance(structure: Structure):
                 busy = 1
                 while busy != 0:
                     attend_all(f, n, swimmers, medium, log, rules)
-                    busy, moving = 0, 0
+                    busy, moving, n_pairs = 0, 0, 0
                     for j in range(lanes):
                         if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
                             moving = 1
+                            if ti.static(mates):
+                                n_pairs += n[LaneInt.PAIRED][j]
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
                             store(f, n, j, swimmers, first)
                             if i < end:
@@ -234,6 +252,8 @@ def make_advance(structure: Structure):
                     if moving != 0:
                         busy = 1
                         for _ in range(chunk):
-                            step(f, n, ti.cast(n[LaneInt.SWIMMER], ti.u32), swimmers, medium, rules, n_steps)
+                            step(f, n, ti.cast(n[LaneInt.SWIMMER], ti.u32), swimmers, medium, rules, n_steps, n_pairs)
+                            if ti.static(mates):
+                                swap(f, n, n_pairs)
 
     return advance

@@ -49,10 +49,10 @@ def make_recall(located: bool):
 
 
 @cache
-def make_orient(real, dimensions: int, located: bool):
+def make_orient(real, dimensions: int, located: bool, mates: bool):
     """Return `orient(f, n, j, i, swimmers, medium)`.
 
-    It makes the lane's relations between its nearest colloid and the colloid of its encounter.
+    It makes the lane's relations between its nearest colloid, its mate and the colloid of its encounter.
     """
     rows = real_rows(dimensions, located=located)
     _, put = make_vectors(dimensions)
@@ -74,9 +74,15 @@ def make_orient(real, dimensions: int, located: bool):
         awaited = (n[LaneInt.PHASE][j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A][j], f[rows.bound_A][j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
-        if ti.static(located):
+        if ti.static(located or mates):
             m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i).variable()
-            n[LaneInt.BETWEEN][j] = ti.cast(m >= 0, ti.i32)
+            if ti.static(mates):
+                own_m, mate_t = same(m, image_m, b, image_b), same(m, image_m, t, image_t)
+                n[LaneInt.PAIRED][j] = ti.cast(m >= 0, ti.i32)
+                n[LaneInt.MATE_OWN][j] = ti.cast(bound & (m >= 0) & own_m, ti.i32)
+                n[LaneInt.MATE_KNOWN][j] = ti.cast(bound & (m >= 0) & (own_m | mate_t), ti.i32)
+            else:
+                n[LaneInt.BETWEEN][j] = ti.cast(m >= 0, ti.i32)
             m, image_m = ti.select(m < 0, k, m), pick(m < 0, image, image_m)
             f[rows.mate_A][j] = medium.radius[m]
             put(f, rows.mate_offset, j, between(medium, m, image_m, k, image))
@@ -184,6 +190,7 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
     What needs a row of the log stays pending while the log is full.
     """
     located = integrator == "located"
+    mates = not sphere and not located and surface == "sphere"
     rows = real_rows(dimensions, located=located)
     get, _ = make_vectors(dimensions)
     get_image, _ = make_vectors(3)
@@ -207,6 +214,8 @@ def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface
     def encounters(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
         event, phase = n[Int.EVENT][j], n[LaneInt.PHASE][j]
+        if ti.static(mates):  # what is no news may become news
+            f[rows.budget][j] = real(0.0)
         step = rules.first + n[Int.STEP][j]
         escaped = (event & int(Event.ESCAPE)) != 0
         passed, struck = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0

@@ -20,7 +20,7 @@ from porous_swim.engine.news import News, NewsDesk
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.records import Records
 from porous_swim.engine.settle import MAX_IMAGE
-from porous_swim.engine.state import Event, Int, Total
+from porous_swim.engine.state import Event, Int, Total, has_mates
 from porous_swim.engine.survey import Survey, make_survey
 from porous_swim.engine.swimmers import Rules, Swimmers
 from porous_swim.engine.transfer import on_host, to_device
@@ -87,6 +87,7 @@ class Engine:
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
         check_flights(backend, numbers.flight_ticks)
         self._flight_height = flight_height(laws, numbers)
+        self._mates = has_mates(shape, integrator)
         self._compile(flow, variates, precision, integrator, shape)
         cells = build_cells(field, reach=numbers.escape_height, threads=backend.threads)
         rounding = float(np.finfo(self._real).eps)
@@ -131,6 +132,11 @@ class Engine:
         """Captures, escapes, hops and returns so far, over all swimmers."""
         captures, escapes, hops, returns = self._total[: Total.LOGGED].tolist()
         return captures, escapes, hops, returns
+
+    @property
+    def jammed(self) -> int:
+        """Steps of swimmers so far, over all of them, at which no place was found that obeys every contact."""
+        return int(self._total[Total.JAMMED])
 
     def snapshot(self, n: int | None = None) -> Snapshot:
         """Where the first `n` swimmers are, by default all."""
@@ -194,7 +200,9 @@ class Engine:
 
     def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
         n_sets = len(laws.dipole_strength)
-        state = HostState.placed(self._field, self._integrator, position, director, law_of, self._real, n_sets=n_sets)
+        state = HostState.placed(
+            self._field, self._integrator, position, director, law_of, self._real, n_sets=n_sets, mates=self._mates
+        )
         law = laws.table(self._numbers.time_step).astype(self._real)
         arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))
         self._swimmers = Swimmers(*(on_device(array) for array in arrays))

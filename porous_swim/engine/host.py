@@ -43,7 +43,7 @@ class HostState:
     @classmethod
     def placed(
         cls, field: ObstacleField, integrator: str, position: np.ndarray, director: np.ndarray, law_of: np.ndarray,
-        real: np.dtype, *, n_sets: int,
+        real: np.dtype, *, n_sets: int, mates: bool,
     ) -> HostState:  # fmt: skip
         """Swimmers at absolute `position` (n, 3) with unit `director` (n, 3), free, and waiting to be located."""
         located = integrator == "located"
@@ -52,7 +52,7 @@ class HostState:
             field,
             integrator,
             np.zeros((rows.n_memory, n), real),
-            np.zeros((n_ints(located=located, n_sets=n_sets), n), np.int32),
+            np.zeros((n_ints(located=located, mates=mates, n_sets=n_sets), n), np.int32),
             np.full((len(Long), n), -1, np.int64),
         )
         colloid, image, _ = field.nearest(position)
@@ -60,7 +60,7 @@ class HostState:
         state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.EVENT] = -1, -1, int(Event.LOCATE)
         if n_sets > 1:
             state.int[Int.SET] = law_of
-        if located:
+        if located or mates:
             state.int[Int.MATE] = -1
         offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE))
         director = field.to_device(director)

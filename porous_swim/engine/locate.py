@@ -85,7 +85,7 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
 
 @cache
 def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool, surface: Surface):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lane if it waits for nothing."""
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
     rows = real_rows(dimensions, located=True)
     get, (_, put) = make_get(dimensions), make_vectors(dimensions)
     stride = make_stride(rate, real, dimensions, surface)
@@ -169,7 +169,7 @@ def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, s
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
-             rules: ti.template(), n_steps):  # fmt: skip
+             rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         j, i = 0, ti.cast(swimmer[0], ti.i32)
         if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
             clock = f[rows.clock][j]

@@ -23,35 +23,46 @@ def now(n: ti.template(), rules: ti.template()):
 
 @cache
 def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: str, flights: bool = False):
-    """Return `end(f, n, on, rules, least)`, which books the trial moves of the lanes `on` that stay within budget.
+    """Return `end(f, n, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
 
-    A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it.
-    `least` is the contact height of the trial above the nearest colloid.
+    A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
+    and those of lanes that have a 1 in `needs`. `least` is the contact height of the trial above the nearest colloid,
+    or above a mate whose encounter it is.
     """
     rows = real_rows(dimensions, located=False)
     whole, _ = make_wide(dimensions)
     book = make_book(real, dimensions, surface, integrator, flights)
+    mates = not sphere and surface == "sphere"
 
     @ti.func
-    def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
+    def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
         moved = whole(f, rows.trial_x) - whole(f, rows.reference)
         within = moved.dot(moved) <= f[rows.budget]  # false for a position that is not finite
+        if ti.static(mates):
+            within = within & (needs == 0)
         n[Int.EVENT] = n[Int.EVENT] | ti.select(on & (not within), int(Event.FINISH), 0)
         if ti.static(sphere):
             book(f, n, on & within, rules, least)
         else:  # within its budget a rod is out of contact with every other colloid
-            book(f, n, on & within, rules, ti.select(n[LaneInt.OWN] != 0, least, real(-FAR)))
+            own = n[LaneInt.OWN] != 0
+            if ti.static(mates):
+                own = own | (n[LaneInt.MATE_OWN] != 0)
+            book(f, n, on & within, rules, ti.select(own, least, real(-FAR)))
 
     return end
 
 
 @cache
-def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lanes that wait for nothing."""
+def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
+
+    `pair` is that of `pairs.make_pair`; None where there are no mates.
+    """
     rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
     end = make_end(real, dimensions, sphere, surface, "euler")
     to = make_surface(real, surface)
+    mates = pair is not None
 
     @ti.func
     def keep_out(x, rest, e, A, gamma):
@@ -66,7 +77,7 @@ def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, su
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
-             rules: ti.template(), n_steps):  # fmt: skip
+             rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
         x, A = whole(f, rows.x), f[rows.A]
         law = [f[rows.alpha + k] for k in ti.static(range(4))]
@@ -75,11 +86,15 @@ def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, su
         y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
         free = rounded(x + y)
         x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, f[rows.gamma])
+        f[rows.trial_push] = ti.select(n[LaneInt.OWN] != 0, push, real(0.0))
         put_whole(f, rows.trial_x, x1)
         put_whole(f, rows.trial_rest, rest)
         put_whole(f, rows.trial_e, e)
-        f[rows.trial_push] = ti.select(n[LaneInt.OWN] != 0, push, real(0.0))
         n[LaneInt.TOUCH] = ti.cast(touch, ti.i32)
-        end(f, n, on, rules, least)
+        if ti.static(mates):
+            least_own, needs = pair(f, n, n_pairs, least)
+            end(f, n, on, rules, least_own, needs)
+        else:
+            end(f, n, on, rules, least, 0)
 
     return step

@@ -15,13 +15,17 @@ from porous_swim.physics.surface import Surface, make_surface
 
 @cache
 def make_reflect(
-    real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, flights: bool
+    real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair, flights: bool
 ):  # fmt: skip
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps)`, which moves the lanes that wait for nothing."""
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
+
+    `pair` is that of `pairs.make_pair`; None where there are no mates.
+    """
     rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
     end = make_end(real, dimensions, sphere, surface, "reflected", flights)
     to = make_surface(real, surface)
+    mates = pair is not None
 
     @ti.func
     def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):
@@ -38,7 +42,7 @@ def make_reflect(
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
-             rules: ti.template(), n_steps):  # fmt: skip
+             rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
         x, A, gamma = whole(f, rows.x), f[rows.A], f[rows.gamma]
         dt, law = scaled(f, n, x, A, rules)
@@ -60,6 +64,10 @@ def make_reflect(
         counts = (n[LaneInt.OWN] != 0) | (n[LaneInt.PHASE] != int(Phase.BOUND))
         f[rows.trial_push] = ti.select(counts, push, real(0.0))
         n[LaneInt.TOUCH] = ti.cast(push > real(0.0), ti.i32)
-        end(f, n, on, rules, least)
+        if ti.static(mates):
+            least_own, needs = pair(f, n, n_pairs, least)
+            end(f, n, on, rules, least_own, needs)
+        else:
+            end(f, n, on, rules, least, 0)
 
     return step

@@ -5,89 +5,23 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.engine.resolve import make_resolve
 from porous_swim.engine.rows import make_vectors
-from porous_swim.engine.state import Event, Int, LaneInt, Phase, real_rows
-from porous_swim.engine.swimmers import image_of, put_image, same
-from porous_swim.obstacles.search import make_between, make_search
-from porous_swim.physics.surface import Surface, make_surface
-from porous_swim.physics.vectors import pick, vec
+from porous_swim.engine.state import Event, Int, LaneInt, Phase, Total, real_rows
+from porous_swim.engine.swimmers import image_of, put_image, same, touched_image
+from porous_swim.obstacles.search import make_between
+from porous_swim.physics.surface import Surface
+from porous_swim.physics.vectors import pick
 
-MAX_PROJECTIONS = 8
 MAX_IMAGE = 2**30
+PAIRED_WITHIN = 0.2  # a, beyond reach: nearer a rod has the second nearest colloid for its mate
 BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are equally near, where events are located
 
 
 @cache
-def make_project(real, surface: Surface):
-    """Return `on_sphere` and `on_circle`, which put a point on one contact sphere (or plane) or on two at once."""
-    to = make_surface(real, surface)
-
-    @ti.func
-    def on_sphere(y, c, radius):
-        v = y - c
-        return c + to.at(v, to.distance(v), radius)
-
-    @ti.func
-    def on_circle(y, c, radius, c1, radius1):
-        """The point nearest to y on both spheres; on the first one where they do not meet."""
-        d = c1 - c
-        rho = d.dot(d)
-        a = real(0.5) * (rho + radius * radius - radius1 * radius1) / rho
-        v = y - c
-        across = v - d * (v.dot(d) / rho)
-        square = radius * radius - a * a * rho
-        out = across.dot(across)
-        meet = (square > real(0.0)) & (out > real(0.0))
-        both = c + d * a + across * ti.sqrt(ti.max(square, real(0.0)) / out)
-        return pick(meet, both, on_sphere(y, c, radius))
-
-    return on_sphere, on_circle
-
-
-@cache
-def make_resolve(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
-    """Return `resolve(medium, k, image, y, y_old, e, e_old, gamma, tolerance)`.
-
-    `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
-    tolerance it is put on that colloid's contact sphere, or, when it goes back and forth between two, on the circle
-    where both contact spheres meet (in the plane, the point). After 8 tries it stays where and as it was.
-
-    It returns y, e, the result of the search there, and the last two colloids that it was put on (-1: none).
-    """
-    between = make_between(real, dimensions)
-    search = make_search(real, dimensions, contact_height, sphere, surface)
-    on_sphere, on_circle = make_project(real, surface)
-    to = make_surface(real, surface)
-
-    @ti.func
-    def resolve(medium: ti.template(), k, image, y_trial, y_old, e_trial, e_old, gamma, tolerance):
-        y, e = y_trial.variable(), e_trial.variable()
-        last, last_image, before, before_image = -1, vec(0, 0, 0).variable(), -1, vec(0, 0, 0).variable()
-        c_last, radius_last = (y * real(0.0)).variable(), real(0.0)
-        found = search.empty()
-        tries, inside = 0, True
-        while inside:
-            found = search.run(medium, k, image, y, e, gamma)
-            inside = (found.depth > tolerance) & (tries <= MAX_PROJECTIONS)
-            if inside:
-                j, image_j = found.deep, found.deep_image
-                c = between(medium, k, image, j, image_j)
-                v = y - c
-                A = medium.radius[j]
-                radius = A + contact_height(to.sine(v, e, to.distance(v)), gamma, A)
-                back = same(j, image_j, before, before_image)
-                y = pick(back, on_circle(y, c, radius, c_last, radius_last), on_sphere(y, c, radius))
-                y, e = pick(tries == MAX_PROJECTIONS, y_old, y), pick(tries == MAX_PROJECTIONS, e_old, e)
-                before, before_image = last, last_image
-                last, last_image, c_last, radius_last = j, image_j, c, radius
-            tries += 1
-        return y, e, found, last, last_image, before, before_image
-
-    return resolve
-
-
-@cache
-def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
+def make_settle(
+    real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface, integrator: str
+):  # fmt: skip
     """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
@@ -95,45 +29,91 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
     higher than `band` above contact touches, and so does one that a reflecting wall has pushed on its way.
     """
     reflected, located = integrator == "reflected", integrator == "located"
+    mates = not sphere and not located and surface == "sphere"
     rows = real_rows(dimensions, located=located)
     get, put = make_vectors(dimensions)
     get_image, put_lane_image = make_vectors(3)
     between = make_between(real, dimensions)
-    resolve = make_resolve(real, dimensions, contact_height, sphere, surface)
-    to = make_surface(real, surface)
+    resolve = make_resolve(real, dimensions, height_and_slope, contact_height, sphere, surface)
 
     @ti.func
-    def push_off(f: ti.template(), j, y, z):
-        """Book the part of a projection that leads away from the colloid of the encounter."""
-        moved, r = z - y, z + get(f, rows.bound_offset, j)
-        if moved.dot(moved) > real(0.0):
-            put(f, rows.trial_rest, j, y * real(0.0))
-            f[rows.trial_push][j] += ti.max(real(0.0), to.sine(r, moved, to.distance(r)))
+    def push_off(f: ti.template(), n: ti.template(), j, k, image, held):
+        """Add the push of the colloid of the encounter; a free swimmer's is that of the one it strikes.
+
+        `k` is the nearest colloid at the start of the step, which has pushed on its way.
+        """
+        push = f[rows.trial_push][j]
+        if n[LaneInt.PHASE][j] == int(Phase.BOUND):
+            push += held.own
+        else:
+            s, image_s = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+            push = ti.select(same(s, image_s, k, image), push, real(0.0))
+            push += ti.select(same(s, image_s, held.last, held.last_image), held.push, real(0.0))
+            push += ti.select(same(s, image_s, held.before, held.before_image), held.push_before, real(0.0))
+        f[rows.trial_push][j] = ti.max(push, real(0.0))
 
     @ti.func
-    def set_budget(f: ti.template(), n: ti.template(), j, y, found, rules: ti.template()):
+    def choose_mate(i, swimmers: ti.template(), found, rules: ti.template()):
+        """The mate of a rod, if any; and how far it may go until a colloid that its lane does not know may matter.
+
+        Contact heights are at most 1.
+        """
+        band = real(1.0) + ti.max(rules.contact_band, rules.tolerance)
+        reach, paired = found.second - band, False
+        if ti.static(mates):
+            # cells list all that is within the escape height
+            together = ti.min(found.third, rules.escape_height) - band
+            paired = (reach < real(PAIRED_WITHIN)) & (reach < together) & (found.mate >= 0)
+            swimmers.int[int(Int.MATE), i] = ti.select(paired, found.mate, -1)
+            put_image(swimmers, int(Int.MATE_IMAGE), i, found.mate_image)
+            reach = ti.select(paired, together, reach)
+        return reach, paired
+
+    @ti.func
+    def no_news(n: ti.template(), j, i, swimmers: ti.template(), k, image):
+        """Whether contact with colloid k is known in the encounter under way."""
+        own = same(k, image, swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i))
+        touched = same(k, image, swimmers.int[int(Int.TOUCHED), i], touched_image(swimmers, i))
+        return (n[LaneInt.PHASE][j] == int(Phase.BOUND)) & (own | touched)
+
+    @ti.func
+    def set_budget(
+        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), y, found, rules: ti.template()
+    ):  # fmt: skip
         budget = real(0.5) * (found.second - found.first)
-        if ti.static(
-            not sphere
-        ):  # the second nearest may stop a rod that the nearest lets pass, or have it in its band
-            budget = ti.min(budget, found.second - real(1.0) - ti.max(rules.contact_band, rules.tolerance))
+        if ti.static(not sphere):
+            reach, mate = choose_mate(i, swimmers, found, rules)
+            if ti.static(mates):
+                swaps = (
+                    mate
+                    & no_news(n, j, i, swimmers, found.near, found.image)
+                    & no_news(n, j, i, swimmers, found.mate, found.mate_image)
+                )
+                budget = ti.select(swaps, reach, budget)
+            budget = ti.min(budget, reach)
         budget = ti.max(real(0.0), budget - rules.margin)
         if ti.static(not located):  # a later touch is that of the nearest
-            struck, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+            struck, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j).variable()
+            if ti.static(mates):
+                known = no_news(n, j, i, swimmers, struck, image)
+                if known & no_news(n, j, i, swimmers, found.near, found.image):
+                    n[LaneInt.STRUCK][j], struck = found.near, found.near
+                    put_lane_image(n, LaneInt.STRUCK_IMAGE, j, found.image)
+                    image = found.image
             budget = ti.select(same(struck, image, found.near, found.image), budget, real(0.0))
         f[rows.budget][j] = budget * budget
         put(f, rows.reference, j, y)
 
     @ti.func
     def strike(
-        n: ti.template(), j, i, swimmers: ti.template(), found, tolerance,
-        last, last_image, before, before_image, push_k, push_image,
+        n: ti.template(), j, i, swimmers: ti.template(), found, tolerance, held, push_k, push_image,
     ):  # fmt: skip
         """Name the colloid that a contact is with; in a wedge the one that is not that of the encounter.
 
         `push_k` is the colloid whose reflecting wall has pushed the swimmer on its way; -1 if none.
         """
         deep = found.depth >= -tolerance
+        last, last_image, before, before_image = held.last, held.last_image, held.before, held.before_image
         k, image = found.near, found.image.variable()
         if ti.static(reflected):
             pushed = (before < 0) & (push_k >= 0)
@@ -172,10 +152,15 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             stop(n, j)
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-            z, d, found, last, last_image, before, before_image = resolve(
-                medium, k, image, y, x, e, get(f, rows.e, j), f[rows.gamma][j], rules.tolerance
-            )
-            push_off(f, j, y, z)
+            b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+            y1, found, held = resolve(
+                medium, k, image, y, x, e, f[rows.gamma][j], rules.tolerance, b, image_b
+            )  # fmt: skip
+            z = y1.variable()
+            if held.jammed != 0:
+                ti.atomic_add(swimmers.total[int(Total.JAMMED)], 1)
+            if (held.last >= 0) | (held.jammed != 0):
+                put(f, rows.trial_rest, j, y * real(0.0))
             if ti.static(located):
                 pair(i, swimmers, found, k, image)
             if not same(k, image, found.near, found.image):
@@ -188,12 +173,11 @@ def make_settle(real, dimensions: int, contact_height, sphere: bool, surface: Su
             if ti.static(reflected):
                 pushed = n[LaneInt.TOUCH][j] != 0
             strike(
-                n, j, i, swimmers, found, rules.tolerance, last, last_image, before, before_image,
-                ti.select(pushed, k, -1), image,
+                n, j, i, swimmers, found, rules.tolerance, held, ti.select(pushed, k, -1), image,
             )  # fmt: skip
-            set_budget(f, n, j, z, found, rules)
+            push_off(f, n, j, k, image, held)
+            set_budget(f, n, j, i, swimmers, z, found, rules)
             put(f, rows.trial_x, j, z)
-            put(f, rows.trial_e, j, d)
             n[LaneInt.TOUCH][j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:

@@ -40,11 +40,12 @@ class Int(IntEnum):
     TOUCHED = 10  # another colloid touched during the encounter, the last such; -1 if none
     TOUCHED_IMAGE = 11  # less that of the encounter, in one row: see `swimmers.packed`
     SET = 12  # row of the table of parameter sets; where there is more than one
+    # where events are located, and of rods among spheres
+    MATE = 13  # of a swimmer between two colloids, the other one; -1 elsewhere
+    MATE_IMAGE = 14
     # where events are located only
-    STRUCK = 13
-    STRUCK_IMAGE = 14
-    MATE = 17  # of a swimmer between two colloids, the other one; -1 elsewhere
-    MATE_IMAGE = 18
+    STRUCK = 17
+    STRUCK_IMAGE = 18
 
 
 class LaneInt(IntEnum):
@@ -65,6 +66,10 @@ class LaneInt(IntEnum):
     AFTER = 14  # steps since the last one at which a flight may begin
     STRUCK = 15  # the colloid that a contact is with: the nearest, but where several are touched
     STRUCK_IMAGE = 16  # three rows
+    PAIRED = 19  # a rod's steps obey contact with a second colloid, too: its mate
+    MATE_OWN = 20  # which is that of the encounter
+    MATE_KNOWN = 21  # contact with it is no news
+    SWAPPED = 22  # it has become the nearest colloid, and that its mate; memory does not know yet
 
 
 class Long(IntEnum):
@@ -86,16 +91,22 @@ class Total(IntEnum):
     LOGGED = 4  # rows asked of the log since it was drained
     FINISHED = 5  # swimmers that reached the last step of this launch
     HALTED = 6
+    JAMMED = 7  # steps of swimmers at which no place was found that obeys contact with every colloid
 
 
-N_LANE_INTS = 19  # rows of the lanes, an image taking three
+N_LANE_INTS = 23  # rows of the lanes, an image taking three
 PHASE_BIT = 8
 MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
 
 
-def n_ints(*, located: bool, n_sets: int) -> int:
+def n_ints(*, located: bool, mates: bool, n_sets: int) -> int:
     """Rows of `Int` in memory, images taking three."""
-    return 21 if located else 13 if n_sets > 1 else 12
+    return 21 if located else 17 if mates else 13 if n_sets > 1 else 12
+
+
+def has_mates(shape: str, integrator: str) -> bool:
+    """Whether lanes know a second colloid: those of rods, whose contact with it depends on how they stand to it."""
+    return shape in ("rod", "needle") and integrator != "located"
 
 
 def clock_of_events(integrator: str) -> float | None:

@@ -50,7 +50,8 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
     The swimmer is at offset y from image `image` of colloid k.
 
     The result holds the nearest colloid, its image, the distances to the nearest and second nearest surface, and the
-    colloid into which the swimmer reaches deepest, with the depth (negative: free). Distances in a.
+    colloid into which the swimmer reaches deepest, with the depth (negative: free). Of a rod also its `mate`, the
+    second nearest, and the distance to the third nearest, up to TOUCHED. Distances in a.
     """
     to = make_surface(real, surface)
 
@@ -71,8 +72,9 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
     def empty():
         none = vec(0, 0, 0)
         return record(
-            near=-1, image=none, first=real(1e30), second=real(1e30), deep=-1, deep_image=none, depth=real(-1e30)
-        )
+            near=-1, image=none, first=real(1e30), second=real(1e30), deep=-1, deep_image=none, depth=real(-1e30),
+            mate=-1, mate_image=none, third=real(TOUCHED),
+        )  # fmt: skip
 
     @ti.func
     def run(medium: ti.template(), k, image, y, e, gamma):
@@ -106,6 +108,15 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
                     v[d] = y[d] + ti.cast(medium.center[k, d] - medium.center[j, d], real) * medium.scale[0, d]
             R = to.distance(v)
             distance = R - medium.radius[j]
+            if ti.static(not sphere):
+                if distance < found.first:
+                    found.third = ti.min(found.third, found.second)
+                    found.mate, found.mate_image = found.near, found.image
+                elif distance < found.second:
+                    found.third = ti.min(found.third, found.second)
+                    found.mate, found.mate_image = j, image + box + shift
+                else:
+                    found.third = ti.min(found.third, distance)
             if distance < found.first:
                 found.second, found.first = found.first, distance
                 found.near, found.image = j, image + box + shift
