@@ -97,6 +97,7 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     limits.require(address=limits.FOR_A_DEVICE, threads=(wanted.threads or 0) + limits.OTHER_THREADS // 2)
     for doubt in kernel_cache.doubts():
         tell(doubt, sys.stderr)
+    kernel_cache.check()
     # an array that is freed after a restart frees whatever has its address by then: free what nobody holds before
     gc.collect()
     options = {"cpu_max_num_threads": wanted.threads} if wanted.threads else {}
