@@ -29,7 +29,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "flights": ("steps", "flights"),
 }
 ASPECT_RATIO = {"sphere": 1.0, "rod": 0.5, "needle": 0.05}
-N_STEPS, TIME_STEP, COUNT = 10, 0.02, 64
+N_STEPS, TIME_STEP, COUNT = 10, 0.02, 1000  # so many that some touch, also needles in space
 RADIUS, SPACING = 3.0, 8.2  # a swimmer fits between two colloids, and is never far from one
 D = 0.01
 FLOW = 0.3  # U, of the reflected flow at contact: 3 alpha/(4 h^2) at its fastest, h = gamma at its least
