@@ -1,7 +1,7 @@
 """What is read back of a run must be what a run can leave: one look at metadata, summary and tables, once.
 
-Each table in memory is scanned column by column (about a nanosecond a number); a table of encounters that is too long for memory
-part by part, as it is read, so that to load it costs nothing.
+Each table in memory is scanned column by column (about a nanosecond a number); a table of encounters that is too long
+for memory part by part, as it is read, so that to load it costs nothing.
 """
 
 from __future__ import annotations
