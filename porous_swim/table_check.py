@@ -58,7 +58,7 @@ class Limits:
             return math.ulp(0.0), math.inf if self.wall else _LARGEST_RADIUS
         whole = {
             "swimmer": (0, self.n_swimmers - 1), "group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers),
-            "colloid": (-1 if table == "trajectory" else 0, self.n_colloids - 1), "state": (0, 2),
+            "colloid": (0 if self.n_colloids else -1, self.n_colloids - 1), "state": (0, 2),
         }  # fmt: skip
         if column in whole:
             return whole[column]
