@@ -143,11 +143,11 @@ def test_a_swimmer_at_rest_in_a_wedge_is_pushed_by_both_walls_where_events_are_l
 def caged(tmp_path) -> ps.Scene:
     """Rods in the pore between three discs that touch: there is room for them along the pore's axes only."""
     table = tmp_path / "three.csv"
-    corners = 8.0 / np.sqrt(3.0) * np.exp(1j * (np.pi / 2 + 2 * np.pi / 3 * np.arange(3)))
-    table.write_text("x,y,radius\n" + "".join(f"{float(z.real)!r},{float(z.imag)!r},3.999\n" for z in corners))
+    corners = 7.5 / np.sqrt(3.0) * np.exp(1j * (np.pi / 2 + 2 * np.pi / 3 * np.arange(3)))
+    table.write_text("x,y,radius\n" + "".join(f"{float(z.real)!r},{float(z.imag)!r},3.749\n" for z in corners))
     return ps.Scene.from_mapping({
         "swimmers": {"count": 50, "dipole_strength": 0.0, "aspect_ratio": 0.2,
-                     "release": {"kind": "point", "position": [0, -0.4], "director": [0, 1]}},
+                     "release": {"kind": "point", "position": [0, -0.424], "director": [0, 1]}},
         "hydrodynamics": {"kind": "none"},
         "noise": {"kind": "brownian", "translational_diffusion": 0.002, "rotational_diffusion": 0.1},
         "obstacles": {"layout": "file", "path": str(table)}, "domain": {"dimensions": 2, "boundary": "open"},
