@@ -7,7 +7,7 @@ for memory part by part, as it is read, so that to load it costs nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -86,8 +86,12 @@ def _check_statistics(entry: Any, path: Path, key: str) -> None:
         return
     if not set(entry) >= _STATISTIC:
         for inner, value in entry.items():
+            if inner in _SETTINGS and not (value is None or _SETTINGS[inner][0](value)):
+                raise _junk(path, f"{key}.{inner}", value, f"{_SETTINGS[inner][1]}, or null")
             _check_statistics(value, path, f"{key}.{inner}")
         return
+    if not isinstance(entry.get("warning", ""), str):
+        raise _junk(path, f"{key}.warning", entry["warning"], "a sentence")
     for name, least in (("value", -math.inf), ("standard_error", 0.0)):
         if not (entry[name] is None or (_is_number(entry[name]) and entry[name] >= least)):
             raise _junk(path, f"{key}.{name}", entry[name], "a number, or null")
@@ -135,3 +139,13 @@ def _are_units(units: Any) -> bool:
     return isinstance(units, dict) and all(
         _is_number(units.get(key)) and units[key] >= 1.0 / LARGEST for key in ("length_um", "time_s")
     )
+
+
+_SETTINGS: dict[str, tuple[Callable[[Any], bool], str]] = {  # what stands beside statistics
+    "horizon": (_is_number, "a time"),
+    "window": (
+        lambda window: isinstance(window, list) and len(window) == 2 and all(map(_is_number, window)),
+        "two lags",
+    ),
+    "reason": (lambda reason: isinstance(reason, str), "a sentence"),
+}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -41,9 +42,12 @@ def start(
     stderr: int = subprocess.PIPE,
     **more: object,
 ) -> subprocess.Popen[str]:
-    """Start the command line; `more` goes into its environment."""
+    """Start the command line; `more` goes into its environment. It heeds a hang-up, also of tests under nohup."""
     command = [sys.executable, "-m", "porous_swim", *map(str, arguments)]
-    return subprocess.Popen(command, cwd=cwd, env=environment(**more), stdout=stdout, stderr=stderr, text=True)
+    return subprocess.Popen(
+        command, cwd=cwd, env=environment(**more), stdout=stdout, stderr=stderr, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL) if os.name == "posix" else None,
+    )  # fmt: skip
 
 
 def small_scene(folder: Path, text: str = SMALL) -> Path:

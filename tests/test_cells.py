@@ -87,7 +87,7 @@ def test_memory_follows_the_candidates_that_are_kept_whatever_the_radii() -> Non
 
 
 def test_a_cell_index_that_does_not_fit_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*arguments: object) -> None:
+    def full(*arguments: object, **options: object) -> None:
         raise MemoryError
 
     field = FIELDS["equal"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
@@ -15,8 +16,10 @@ from porous_swim.encounters import ENCOUNTERS
 from porous_swim.errors import ResultsError
 from porous_swim.reporting import fractions, medium, provenance, write
 from porous_swim.reporting.run import runs_of
+from porous_swim.results_check import check_info
 from porous_swim.table_check import Limits
 from tests.damage import make_run, trial
+from tests.run_folders import relisted
 
 N_FOLDERS = 100  # 1000 by `python -m tests.damage 1000`
 
@@ -63,7 +66,7 @@ def test_a_number_that_no_run_writes_is_named_with_its_file(folder, table, colum
     values = pa.array([number, *read.column(column).to_pylist()[1:]], field.type)
     pq.write_table(read.set_column(read.schema.get_field_index(column), field, values), path)
     with pytest.raises(ResultsError, match=rf"{table}\.parquet: {message}"):
-        ps.load_results(folder)
+        ps.load_results(relisted(folder))
 
 
 def test_an_encounter_that_begins_within_the_one_before_is_named(folder) -> None:
@@ -73,7 +76,7 @@ def test_an_encounter_that_begins_within_the_one_before_is_named(folder) -> None
     with pytest.raises(
         ResultsError, match=r"encounters\.parquet: column start_time, row 1: .* at least the end_time of"
     ):
-        ps.load_results(folder)
+        ps.load_results(relisted(folder))
 
 
 @pytest.mark.parametrize(
@@ -83,7 +86,6 @@ def test_an_encounter_that_begins_within_the_one_before_is_named(folder) -> None
         ("box", [1.0, -2.0, 0.0], r"box: found \(1.0, -2.0, 0.0\), expected three edges"),
         ("last_time", -5.0, "last_time: found -5.0, expected at least first_time, 0"),
         ("units", {"length_um": "long"}, "units: found .* expected length_um and time_s above 0"),
-        ("provenance", [[]], "provenance: found .* expected a map"),
     ],
 )
 def test_metadata_that_no_run_writes_is_named_with_its_file(folder, key, value, message) -> None:
@@ -92,7 +94,13 @@ def test_metadata_that_no_run_writes_is_named_with_its_file(folder, key, value, 
     info = json.loads(read.schema.metadata[b"porous_swim"]) | {key: value}
     pq.write_table(read.replace_schema_metadata({b"porous_swim": json.dumps(info).encode()}), path)
     with pytest.raises(ResultsError, match=rf"encounters\.parquet: metadata: {message}"):
-        ps.load_results(folder)
+        ps.load_results(relisted(folder))
+
+
+def test_metadata_without_a_map_of_provenance_is_of_no_run(folder) -> None:
+    info = replace(ps.load_results(folder).info, provenance=[[]])
+    with pytest.raises(ResultsError, match=r"x\.parquet: metadata: provenance: found \[\[\]\], expected a map"):
+        check_info(info, Path("x.parquet"))
 
 
 @pytest.mark.parametrize(
@@ -119,7 +127,8 @@ def test_a_long_table_is_checked_part_by_part(folder, monkeypatch) -> None:
     bad = pa.array([*values[:-1], float("inf")], field.type)
     pq.write_table(read.set_column(read.schema.get_field_index("wall_push"), field, bad), path, row_group_size=50)
     monkeypatch.setattr("porous_swim.encounters.MANY", 10)
-    results = ps.load_results(folder)  # reads no row
+    monkeypatch.setattr("porous_swim.results.MANY", 10)
+    results = ps.load_results(relisted(folder))  # reads no row
     for read_all in (lambda: results.encounters, lambda: list(results.stored.parts("wall_push"))):
         with pytest.raises(ResultsError, match=r"encounters\.parquet: column wall_push, row \d+: found inf"):
             read_all()

@@ -22,7 +22,7 @@ def expected_seconds(
     """The expected time of 1e9 steps of a swimmer near one colloid, on one thread."""
     scene = Scene.from_mapping(
         {
-            "swimmers": {"count": 128, "dipole_strength": 0.8, "aspect_ratio": aspect_ratio,
+            "swimmers": {"count": 128, "dipole_strength": 0.1, "aspect_ratio": aspect_ratio,
                          "release": {"kind": "point", "position": [9.0, 0.0, 0.0]}},
             "noise": {"kind": "brownian", "translational_diffusion": 0.01} if noise == "brownian" else {"kind": "none"},
             "obstacles": {"layout": "single", "radius": radius},

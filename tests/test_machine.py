@@ -91,7 +91,9 @@ def test_a_job_on_one_processor_runs_and_searches_on_one_thread(monkeypatch):
             return super().query_ball_point(*arguments, workers=workers, **options)
 
     monkeypatch.setattr(cells, "cKDTree", Tree)
-    scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 20, "run.duration": 0.1})
+    scene = ps.load_scene("scenes/crystal.yaml").replace(
+        {"swimmers.count": 20, "run.duration": 0.1, "record.every": 0.1}
+    )
     os.sched_setaffinity(0, {min(before)})
     try:
         build_cells(scene.place_obstacles(), reach=1.5)

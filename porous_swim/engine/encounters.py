@@ -184,13 +184,14 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
 
 
 @cache
-def make_encounters(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
+def make_encounters(
+    real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str, mates: bool
+):  # fmt: skip
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
     """
     located = integrator == "located"
-    mates = not sphere and not located and surface == "sphere"
     rows = real_rows(dimensions, located=located)
     get, _ = make_vectors(dimensions)
     get_image, _ = make_vectors(3)

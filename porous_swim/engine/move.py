@@ -22,7 +22,9 @@ def now(n: ti.template(), rules: ti.template()):
 
 
 @cache
-def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: str, flights: bool = False):
+def make_end(
+    real, dimensions: int, sphere: bool, surface: Surface, integrator: str, mates: bool, flights: bool = False
+):  # fmt: skip
     """Return `end(f, n, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
@@ -32,7 +34,6 @@ def make_end(real, dimensions: int, sphere: bool, surface: Surface, integrator: 
     rows = real_rows(dimensions, located=False)
     whole, _ = make_wide(dimensions)
     book = make_book(real, dimensions, surface, integrator, flights)
-    mates = not sphere and surface == "sphere"
 
     @ti.func
     def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
@@ -60,9 +61,9 @@ def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, su
     """
     rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
-    end = make_end(real, dimensions, sphere, surface, "euler")
-    to = make_surface(real, surface)
     mates = pair is not None
+    end = make_end(real, dimensions, sphere, surface, "euler", mates)
+    to = make_surface(real, surface)
 
     @ti.func
     def keep_out(x, rest, e, A, gamma):

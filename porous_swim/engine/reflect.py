@@ -23,9 +23,9 @@ def make_reflect(
     """
     rows = real_rows(dimensions, located=False)
     whole, put_whole = make_wide(dimensions)
-    end = make_end(real, dimensions, sphere, surface, "reflected", flights)
-    to = make_surface(real, surface)
     mates = pair is not None
+    end = make_end(real, dimensions, sphere, surface, "reflected", mates, flights)
+    to = make_surface(real, surface)
 
     @ti.func
     def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):

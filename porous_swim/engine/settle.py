@@ -20,7 +20,8 @@ BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are
 
 @cache
 def make_settle(
-    real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface, integrator: str
+    real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface, integrator: str,
+    mates: bool,
 ):  # fmt: skip
     """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
@@ -29,7 +30,6 @@ def make_settle(
     higher than `band` above contact touches, and so does one that a reflecting wall has pushed on its way.
     """
     reflected, located = integrator == "reflected", integrator == "located"
-    mates = not sphere and not located and surface == "sphere"
     rows = real_rows(dimensions, located=located)
     get, put = make_vectors(dimensions)
     get_image, put_lane_image = make_vectors(3)
