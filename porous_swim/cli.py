@@ -124,7 +124,9 @@ def run(
     threads: Annotated[int | None, typer.Option(help="Threads of the CPU.")] = None,
     no_recording: Annotated[bool, typer.Option("--no-recording", help="Write tables only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.")] = False,
-    json_: Annotated[bool, typer.Option("--json", help="Folder and summary for machines, and nothing else.")] = False,
+    json_: Annotated[
+        bool, typer.Option("--json", help="Folder and summary for machines on stdout, and nothing else there.")
+    ] = False,
     force_memory: Annotated[
         bool, typer.Option("--force-memory", help="Start even where memory is expected not to suffice.")
     ] = False,
@@ -185,6 +187,8 @@ def view(
 ) -> None:
     """Open the recording of a run in the Rerun viewer."""
     recording = run_folder / "recording.rrd"
+    if not run_folder.is_dir():
+        raise ResultsError(f"{run_folder}: there is no such run folder")
     if not recording.is_file():
         raise ResultsError(f"{run_folder}: there is no recording.rrd in it")
     if not web and sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):

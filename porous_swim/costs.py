@@ -22,7 +22,7 @@ NANOSECONDS: dict[tuple[str, str], dict[Shape, float]] = {
 }
 # Times the same, for rods: where any of a block of lanes is near two colloids; and for each that is.
 _PAIR, _SETTLE = 1.8, 1.5
-COMPILING = 10.0  # of a kernel that is not in the cache
+_COMPILING, _COMPILING_PAIRS = 10.0, 30.0  # of a kernel that is not in the cache; where rods may touch two spheres
 _STARTING = 2.5  # Python, placing, a kernel from the cache, tables and summary of few encounters
 _FRAME, _FRAME_SWIMMER, _FRAME_RECORDED = 2.2e-3, 0.04e-6, 1.6e-6  # a look; each swimmer; each recorded
 
@@ -39,6 +39,12 @@ class Seconds:
     def total(self) -> float:
         """All of a run whose kernel is in the cache."""
         return _STARTING + self.swimming + self.recording
+
+
+def compiling_seconds(scene: Scene) -> float:
+    """Of a kernel that is not in the cache yet."""
+    pairs = scene.swimmers.aspect_ratio < 1.0 and scene.obstacles.layout not in ("none", "wall")
+    return _COMPILING_PAIRS if pairs and scene.integrator != "located" else _COMPILING
 
 
 def expected_seconds(scene: Scene, field: ObstacleField) -> Seconds:

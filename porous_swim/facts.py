@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
-from porous_swim.costs import COMPILING, expected_seconds
+from porous_swim.costs import compiling_seconds, expected_seconds
 from porous_swim.footprint import footprint
 from porous_swim.inspection import ready
 from porous_swim.observers.recording import recording_size
@@ -81,7 +81,7 @@ def _costs(scene: Scene, field: ObstacleField) -> dict[str, Any]:
     return {
         "seconds": {
             "swimming": seconds.swimming, "recording": seconds.recording, "total": seconds.total,
-            "compiling_at_first": COMPILING, "threads": seconds.n_threads,
+            "compiling_at_first": compiling_seconds(scene), "threads": seconds.n_threads,
         },
         "bytes": {
             "memory": round(found.host), "device": found.device, "disk": round(found.disk), "recording": round(size),

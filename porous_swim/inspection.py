@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from porous_swim.analysis.theory import critical_radius
-from porous_swim.costs import COMPILING, Seconds, expected_seconds
+from porous_swim.costs import Seconds, compiling_seconds, expected_seconds
 from porous_swim.footprint import amount, footprint, require_memory
 from porous_swim.observers.recording import recording_size
 from porous_swim.obstacles.cells import build_cells
@@ -94,7 +94,7 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
         end += f" ({scene.run.duration * units.time:g} s)"
     return [
         ("run", f"{steps:,} steps of {scene.run.time_step:g} a/U to {end}, in {scene.precision}{_flights(scene)}"),
-        ("expected time", _time(expected_seconds(scene, field))),
+        ("expected time", _time(expected_seconds(scene, field), compiling_seconds(scene))),
         (
             "memory",
             f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device",
@@ -108,11 +108,11 @@ def _flights(scene: Scene) -> str:
     return "" if scene.run.flight_step is None else f"; {scene.run.flight_step:g} a/U at once far from colloids"
 
 
-def _time(seconds: Seconds) -> str:
+def _time(seconds: Seconds, compiling: float) -> str:
     parts = f"swimming {_duration(seconds.swimming)}, recording {_duration(seconds.recording)}"
     return (
         f"about {_duration(seconds.total)} on {_count(seconds.n_threads, 'thread')} of an idle CPU ({parts}), "
-        f"and {COMPILING:g} s more to compile at the first time"
+        f"and {compiling:g} s more to compile the first time"
     )
 
 

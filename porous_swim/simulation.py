@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from porous_swim.costs import COMPILING
+from porous_swim.costs import compiling_seconds
 from porous_swim.encounters import ROWS
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
@@ -258,7 +258,7 @@ def _device_line(scene: Scene, started: Backend) -> str:
     """What computes and why, while the user waits for the compiler."""
     device = started.device.upper() if started.device in ("cpu", "cuda") else started.device.capitalize()
     why = ", as no CUDA or Metal device was found" if scene.run.device == "auto" and started.is_cpu else ""
-    compiling = f"compiling (some {COMPILING:g} s at the first time, then cached)"
+    compiling = f"compiling (some {compiling_seconds(scene):g} s the first time, then cached)"
     return f"computing on {device} in {scene.precision}{why}; {compiling}"
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from porous_swim.errors import PorousSwimError, ResultsError, SceneError
+from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, SceneError
+from porous_swim.footprint import require_memory
 from porous_swim.printing import tell
 from porous_swim.results import SUMMARY, Results, load_results
 from porous_swim.scene import Scene, load_scene
@@ -74,7 +75,8 @@ def sweep(
         recording: see `run`.
 
     Raises:
-        SceneError: sets that are no scene, or whose colloids or swimmers do not fit; before anything is run.
+        SceneError: sets that are no scene, or whose colloids or swimmers do not fit, or not into memory; before
+            anything is run.
         DeviceError: the device of a scene is not here; likewise.
         ResultsError: a folder holds something else; likewise.
         KeyboardInterrupt: a run was interrupted; what was seen until then is in `out`, and no other run begins.
@@ -101,19 +103,23 @@ def sweep(
 
 
 def _checked(scene: Scene, changes: Sequence[Mapping[str, Any]], out: Path | None) -> list[Point]:
-    """The points, each of which can start; `SceneError` tells of all that cannot."""
-    points, mistakes = [], []
+    """The points, each of which can start; `SceneError` or `DeviceError` tells of all that cannot."""
+    points: list[Point] = []
+    mistakes: list[str] = []
+    kind: type[PorousSwimError] = DeviceError
     for number, change in enumerate(changes, start=1):
         try:
             each = scene.replace(change)
+            require_memory(each)
             Start.of(each)
-        except SceneError as error:
+        except (SceneError, DeviceError) as error:
             mistakes.append(f"{_named(number, change)}: {error}")
+            kind = SceneError if isinstance(error, SceneError) else kind
         else:
             points.append(Point(number, change, each, None if out is None else out / str(number)))
     if mistakes:
         more = len(mistakes) - _MOST_TOLD
-        raise SceneError("\n".join(mistakes[:_MOST_TOLD] + ([f"and {more} more sets"] if more > 0 else [])))
+        raise kind("\n".join(mistakes[:_MOST_TOLD] + ([f"and {more} more sets"] if more > 0 else [])))
     return points
 
 

@@ -73,7 +73,8 @@ def test_a_ballistic_run_is_not_linear_and_swimmers_that_are_alike_have_no_diffu
     assert not found.linear
     assert math.isnan(found.value)
     assert found.reason == (
-        "There is no effective diffusivity: swimmers keep their directors for longer than 10 a/U, half of the run."
+        "There is no effective diffusivity: swimmers keep their directors for longer than 10 a/U, about half of the "
+        "run."
     )
     alike = effective_diffusivity(walks.persistent(rng, n_swimmers=200, n_frames=21, turning=0.0))
     assert alike.estimate().as_dict()["value"] is None

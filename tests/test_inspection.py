@@ -63,7 +63,7 @@ def test_the_expected_time_of_swimming_is_within_a_factor_of_two_of_what_was_mea
 
 
 # s on one thread: swimming; recording, tables and summary
-RUNS = {"crystal": (6.4, 2.3), "takagi": (2.3, 3.0), "lattice_3d": (1.9, 2.1), "packing": (2.1, 2.2)}
+RUNS = {"crystal": (12.8, 4.6), "takagi": (2.3, 3.0), "lattice_3d": (1.9, 2.1), "packing": (2.1, 2.2)}
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -77,8 +77,8 @@ def test_the_parts_of_the_expected_time_are_those_of_runs_of_the_scenes(name):
 
 def test_check_and_run_say_alike_how_long_compiling_takes():
     scene = load_scene("scenes/crystal.yaml")
-    assert "10 s more to compile at the first time" in dict(describe(scene))["expected time"]
-    assert "some 10 s at the first time" in _device_line(scene, Backend("cpu", None))
+    assert "10 s more to compile the first time" in dict(describe(scene))["expected time"]
+    assert "some 10 s the first time" in _device_line(scene, Backend("cpu", None))
 
 
 def seconds(count: int, threads: int | None, **more) -> costs.Seconds:

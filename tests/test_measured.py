@@ -71,7 +71,7 @@ def test_shrunk_colloids_touch_and_are_counted(tmp_path):
 def test_the_smaller_of_two_that_overlap_is_dropped(tmp_path):
     field = place(tmp_path, OVERLAPPING, overlaps="drop")
     assert field.centers[:, :2].tolist() == [[0.0, 0.0], [0.0, 12.9], [30.0, 30.0]]
-    assert field.notes == ("2 of 5 colloids were dropped, as they overlap larger ones (obstacles.overlaps)",)
+    assert field.notes == ("2 of 5 colloids were dropped, as they overlap larger or equal ones (obstacles.overlaps)",)
 
 
 def detections() -> np.ndarray:

@@ -69,7 +69,8 @@ def test_every_statistic_of_a_summary_has_value_error_counts_and_unit(run):
     for statistic in found:
         scaled = summary["units"] is not None and statistic["unit"] not in ("", "turns")
         more = {"physical"} if scaled else set()
-        assert set(statistic) == {"value", "standard_error", "n", "n_censored", "unit"} | more
+        assert set(statistic) - {"warning"} == {"value", "standard_error", "n", "n_censored", "unit"} | more
+        assert statistic.get("warning", "a sentence.").endswith(".")
         assert (statistic["value"] is None) or (statistic["n"] + statistic["n_censored"] > 0 or statistic["value"] == 0)
 
 

@@ -12,7 +12,9 @@ import pytest
 from commands import small_scene
 
 import porous_swim as ps
-from porous_swim import sweeps
+from porous_swim import simulation, sweeps
+from porous_swim.manifest import RUN_FILES, lock_content
+from porous_swim.run_lock import LOCK
 
 an = ps.analysis
 DURATION = 20.0
@@ -76,15 +78,34 @@ def test_sets_that_cannot_be_placed_are_all_named_before_anything_is_run(scene, 
     assert not (tmp_path / "sweep").exists()
 
 
-def test_a_run_that_fails_leaves_its_error_in_place_and_the_others_go_on(scene, tmp_path):
-    # a drift that single precision cannot hold: the first step is not a number
-    strong = {"swimmers.dipole_strength": 1.0e35, "swimmers.count": 20}
+def test_sets_that_do_not_fit_into_memory_and_devices_that_are_not_here_are_named_at_once(scene, tmp_path):
+    wrong = [SETS[0], {"swimmers.count": 2_000_000_000}, {"run.device": "metal"}]
+    with pytest.raises(ps.SceneError) as caught:
+        ps.sweep(scene, wrong, out=tmp_path / "sweep")
+    first, second = str(caught.value).splitlines()
+    assert first.startswith("set 2 (swimmers.count=2000000000): ")
+    assert "memory" in first
+    assert second.startswith("set 3 (run.device=metal): device: no metal device was found")
+    with pytest.raises(ps.DeviceError, match=r"set 1 \(run.device=metal\): "):
+        ps.sweep(scene, wrong[2:], out=tmp_path / "sweep")
+    assert not (tmp_path / "sweep").exists()
+
+
+def test_a_run_that_fails_leaves_its_error_in_place_and_the_others_go_on(scene, tmp_path, monkeypatch):
+    # one set gets a drift that single precision cannot hold, which no scene may ask for: its first step is no number
+    laws, strong = simulation.laws_of, {"swimmers.dipole_strength": 2.0, "swimmers.count": 20}
+
+    def of(each: ps.Scene):
+        factor = 1e35 if each.swimmers.dipole_strength == 2.0 else 1.0
+        return replace(laws(each), dipole_strength=laws(each).dipole_strength * factor)
+
+    monkeypatch.setattr(simulation, "laws_of", of)
     first, failed, last = ps.sweep(scene, [SETS[0], strong, SETS[1]], out=tmp_path / "sweep", recording=False)
     assert [results.info.n_swimmers for results in (first, last)] == [20, 30]
     assert isinstance(failed, ps.FailedRun)
     assert isinstance(failed.error, ps.RunError)
     assert (failed.point.number, failed.point.changes) == (2, strong)
-    assert str(failed).startswith("set 2 (swimmers.dipole_strength=1e+35, swimmers.count=20) failed: swimmer ")
+    assert str(failed).startswith("set 2 (swimmers.dipole_strength=2.0, swimmers.count=20) failed: swimmer ")
     with pytest.raises(AttributeError, match=r"there is no encounters, as set 2 .* failed: swimmer "):
         failed.encounters  # noqa: B018
     assert str(pickle.loads(pickle.dumps(failed))) == str(failed)
@@ -99,6 +120,7 @@ def test_a_sweep_goes_on_where_it_stopped(scene, tmp_path, monkeypatch):
     died = {"swimmers.count": 10}
     (out / "3").mkdir()
     scene.replace(died).save(out / "3")  # as one that was killed leaves it
+    (out / "3" / LOCK).write_text(json.dumps(lock_content("killed", RUN_FILES)))
     monkeypatch.setattr(sweeps, "run", lambda each, **options: begun.append(each) or ps.run(each, **options))
     swept = ps.sweep(scene, [*SETS, died], out=out, recording=False)
     assert [each.swimmers.count for each in begun] == [30, 10]

@@ -16,7 +16,7 @@ import porous_swim as ps
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs" / "crystal.png"
-STEP = 20_000  # half of the run: trails have grown
+STEP = 40_000  # half of the run: trails have grown
 SIZE = 1600, 1036  # points
 MENU = 36  # points, the height of that bar
 

@@ -196,12 +196,13 @@ def _why_none(told: Choice, squares: TimeAverages, info: TableInfo) -> str:
     memory, tried = told.memory, told.tried
     what, last, time = "There is no effective diffusivity: ", float(squares.lag[-1]), memory.turning
     if math.isinf(time):
-        return f"{what}swimmers keep their directors for longer than {last:g} a/U, half of the run."
+        return f"{what}swimmers keep their directors for longer than {last:g} a/U, about half of the run."
     if memory.directors > 0.5 * last:
         wanted = f"some {memory.directors / (0.5 * LONGEST * time):.2g}" if math.isfinite(memory.directors) else "more"
+        found = (info.duration - info.burn_in) / time
         return (
-            f"{what}the run lasts for {last / (LONGEST * time):.2g} persistence times of the directors ({time:.3g} a/U "
-            f"each), and {wanted} are needed."
+            f"{what}the run lasts for {found:.2g} persistence times of the directors ({time:.3g} a/U each), and "
+            f"{wanted} are needed."
         )
     if memory.medium > 0.5 * last:
         return (

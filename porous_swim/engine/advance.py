@@ -72,7 +72,8 @@ def make_mover(structure: Structure):
     if structure.integrator == "located":
         rate = make_motion(drift, real, height_and_slope, surface)
         return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
-    pair = make_pair(real, dimensions, height_and_slope) if structure.mates else None
+    seldom = HardContact.make_height_and_slope(real, structure.shape, rolled=True)
+    pair = make_pair(real, dimensions, seldom) if structure.mates else None
     if structure.integrator == "reflected":
         integrate = make_reflected(drift, real, dimensions, structure.variates, height_and_slope, surface)
         return make_reflect(real, dimensions, integrate, contact_height, sphere, surface, pair, structure.flights)
@@ -141,7 +142,7 @@ def make_lanes(real, dimensions: int, threshold, integrator: str, mates: bool, f
 def make_advance(structure: Structure):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
     real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
-    contact_height = HardContact.make_height(real, structure.shape)
+    contact_height = HardContact.make_height(real, structure.shape, rolled=True)
     located, surface = structure.integrator == "located", structure.surface
     rows = real_rows(dimensions, located=located)
     step = make_mover(structure)
@@ -149,7 +150,7 @@ def make_advance(structure: Structure):
     book = make_book(real, dimensions, surface, integrator, structure.flights)
     whole, _ = make_wide(dimensions)
     get, put = make_vectors(dimensions)
-    height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
+    height_and_slope = HardContact.make_height_and_slope(real, structure.shape, rolled=True)
     mates = structure.mates
     settle = make_settle(real, dimensions, height_and_slope, contact_height, sphere, surface, integrator, mates)
     orient = make_orient(real, dimensions, located, mates)

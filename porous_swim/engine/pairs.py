@@ -45,7 +45,7 @@ def make_pair(real, dimensions: int, height_and_slope):
         s = ti.max(ti.sqrt(across.dot(across)), real(1e-6))
         w = across / s
         along, aside, change = e.dot(axis), e.dot(w), rho
-        for _ in ti.static(range(STEPS)):
+        for _ in range(STEPS):  # no unrolled copies: they take long to compile
             da, ds = wedge.newton(a, s, rho, along, aside, A, A1, gamma)
             a, s, change = a + da, s + ds, da * da + ds * ds
         return axis * a + w * s, (change <= real(NEAR * NEAR)) & (s > real(0.0))
@@ -67,7 +67,8 @@ def make_pair(real, dimensions: int, height_and_slope):
         v, found = corner(z, e, d * real(-1.0), A, A1, gamma)
         push, push1 = wedge.pushes(v - x, v, v + d)
         push, push1 = ti.select(pinched, push, real(0.0)), ti.select(pinched, push1, depth)
-        good = struck & known & (found | (not pinched))
+        touch_is_news = n[LaneInt.WATCH_CONTACT] != 0  # where the mate pushes the rod onto the nearest
+        good = struck & known & ((found & (not touch_is_news)) | (not pinched))
         y = pick(pinched, v, z)
         own, mate_own = n[LaneInt.OWN] != 0, n[LaneInt.MATE_OWN] != 0
         more = ti.select(own, push, ti.select(mate_own, push1, real(0.0)))

@@ -94,7 +94,7 @@ def make_resolve(real, dimensions: int, height_and_slope, contact_height, sphere
         tries, inside, extra = 0, True, real(0.0)
         while inside:
             found = search.run(medium, k, image, y, e, gamma)
-            inside = found.depth > tolerance
+            inside = (found.depth > tolerance) & (held.jammed == 0)
             if inside & (tries < MAX_PROJECTIONS + MAX_DOUBLINGS):
                 j, image_j = found.deep, found.deep_image
                 c = between(medium, k, image, j, image_j)
@@ -116,9 +116,8 @@ def make_resolve(real, dimensions: int, height_and_slope, contact_height, sphere
                 y, c1, A1, radius1 = z, c, A, radius
                 tries += 1
             elif inside:
-                y, held, inside = y_old, none(), False
-                held.jammed = 1
-                found = search.run(medium, k, image, y, e, gamma)
+                y, held = y_old, none()
+                held.jammed = 1  # what is found there comes next, and ends this
         return y, found, held
 
     return resolve

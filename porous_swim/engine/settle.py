@@ -89,7 +89,9 @@ def make_settle(
                     & no_news(n, j, i, swimmers, found.near, found.image)
                     & no_news(n, j, i, swimmers, found.mate, found.mate_image)
                 )
-                budget = ti.select(swaps, reach, budget)
+                # both may be the nearest: it is the third, beyond the list of the cell if need be, that must not be
+                lead = real(0.5) * (ti.min(found.third, rules.escape_height) - found.first)
+                budget = ti.select(swaps, lead, budget)
             budget = ti.min(budget, reach)
         budget = ti.max(real(0.0), budget - rules.margin)
         if ti.static(not located):  # a later touch is that of the nearest

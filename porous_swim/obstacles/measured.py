@@ -76,7 +76,7 @@ def resolved(beads: Beads, overlaps: Overlaps, *, tolerance: float, box: np.ndar
     if overlaps == "drop":
         kept = _kept(radii, first, second)
         dropped = f"{np.sum(~kept):,} of {len(radii):,} colloids"
-        note = f"{dropped} were dropped, as they overlap larger ones (obstacles.overlaps)"
+        note = f"{dropped} were dropped, as they overlap larger or equal ones (obstacles.overlaps)"
         return Beads(beads.centers[kept], radii[kept], (*beads.notes, note))
     same = apart < _SAME_BEAD * np.minimum(radii[first], radii[second])
     if same.any():
@@ -148,9 +148,9 @@ def _duplicates(first: np.ndarray, second: np.ndarray, apart: np.ndarray, radii:
     count = len(np.unique(second))
     merge = 1.01 * float(apart.max()) or 0.01 * float(radii.min())
     return (
-        f"{name}: {count:,} duplicates: their centres are nearer than half a radius to those of earlier rows, such as "
-        f"{first[0]} and {second[0]}, {apart[0]:.4g} apart; give obstacles.merge, the distance below which detections "
-        f"are one, here more than {merge:.2g}"
+        f"{name}: {count:,} duplicate{'s' * (count > 1)}: centres nearer than half a radius to those of earlier rows, "
+        f"such as rows {first[0] + 1} and {second[0] + 1} below the header, {apart[0]:.4g} a apart; give "
+        f"obstacles.merge, the distance below which detections are one, here more than {merge:.2g} a"
     )
 
 

@@ -82,12 +82,14 @@ def make_wedge(real, height_and_slope) -> SimpleNamespace:
         if square > real(0.0):
             along, aside, here = e.dot(axis), e.dot(w), v.dot(w)
             s0 = ti.sqrt(square)
-            a, s = meet(a0, s0, rho, along, aside, A, A1, gamma)
-            if here < real(0.5) * s:  # the other side may be nearer: the surfaces overlap off the line of centres
-                a1, s1 = meet(a0, -s0, rho, along, aside, A, A1, gamma)
-                nearer = here - s1 < s - here
-                a, s = ti.select(nearer, a1, a), ti.select(nearer, s1, s)
-        return axis * a + w * s, square > real(0.0)
+            for side in range(2):  # one copy of the code for both: copies take long to compile
+                # the other side may be nearer: the surfaces overlap off the line of centres
+                if (side == 0) | (here < real(0.5) * s):
+                    start = ti.select(side == 0, s0, -s0)
+                    a1, s1 = meet(a0, start, rho, along, aside, A, A1, gamma)
+                    nearer = (side == 0) | (here - s1 < s - here)
+                    a, s = ti.select(nearer, a1, a), ti.select(nearer, s1, s)
+        return axis * a + w * s, (square > real(0.0)) & (a * a + s * s < real(1e30))  # false for what is no number
 
     @ti.func
     def pushes(moved, v, v1):
