@@ -100,8 +100,9 @@ print(footprint(scene).host, 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_
 @pytest.mark.skipif(sys.platform != "linux", reason="kB are those of Linux")
 @pytest.mark.parametrize("name", ["crystal", "lattice_3d"])
 def test_the_memory_said_is_the_peak_within_a_fifth(name):
-    command = [sys.executable, "-c", PROGRAM, str(ROOT / f"scenes/{name}.yaml"), "300000"]
-    done = subprocess.run(command, env=environment(), capture_output=True, text=True, timeout=300, check=True)
+    for n in ("300", "300000"):  # a kernel that is not in the cache takes some 200 MB to compile: the first run's
+        command = [sys.executable, "-c", PROGRAM, str(ROOT / f"scenes/{name}.yaml"), n]
+        done = subprocess.run(command, env=environment(), capture_output=True, text=True, timeout=300, check=True)
     said, peak = map(float, done.stdout.split()[-2:])
     assert said == pytest.approx(peak, rel=0.2)
 
