@@ -97,7 +97,8 @@ def _costs(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
         ("expected time", _time(expected_seconds(scene, field), compiling_seconds(scene))),
         (
             "memory",
-            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device",
+            f"about {amount(found.host)} at the peak, {amount(found.device)} of it for the swimmers on the device; "
+            "a small run takes some 200 MB more where its kernel is not compiled yet",
         ),
         ("disk", f"about {amount(found.disk)} for recording and tables, and twice that while they are written"),
         ("recording", f"about {amount(size)}: {_count(scene.n_recorded, 'swimmer')}, {_count(frames, 'frame')}"),
