@@ -84,8 +84,9 @@ def test_a_random_layout_in_a_box_counts_as_it_is_placed():
     assert len(scene.place_obstacles().radii) == scene.n_colloids
 
 
+# VmHWM and not ru_maxrss, which a child inherits: it would tell the peak of this process, if that is greater.
 PROGRAM = """
-import resource, sys
+import sys
 import porous_swim as ps
 scene = ps.load_scene(sys.argv[1]).replace({
     "swimmers.count": int(sys.argv[2]), "run.duration": 0.1, "record.every": 0.01, "run.time_step": 0.01,
@@ -93,7 +94,8 @@ scene = ps.load_scene(sys.argv[1]).replace({
 })
 from porous_swim.footprint import footprint
 ps.run(scene)
-print(footprint(scene).host, 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+peak = next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM:"))
+print(footprint(scene).host, 1024 * int(peak))
 """
 
 
