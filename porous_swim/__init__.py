@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from porous_swim.engine.probe import contact_height, drift
     from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.reporting.write import report
-    from porous_swim.results import Results, load_results
+    from porous_swim.results import Results
+    from porous_swim.results_loading import load_results
+    from porous_swim.runs import run
     from porous_swim.scene import Scene, load_scene
-    from porous_swim.simulation import Simulation, run
+    from porous_swim.simulation import Simulation
     from porous_swim.sweeps import FailedRun, sweep
 
 __all__ = [
@@ -55,9 +57,11 @@ _HOME = {
     "analysis.flow": ("flow_field",),
     "errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
     "reporting.write": ("report",),
-    "results": ("Results", "load_results"),
+    "results": ("Results",),
+    "results_loading": ("load_results",),
     "scene": ("Scene", "load_scene"),
-    "simulation": ("Simulation", "run"),
+    "runs": ("run",),
+    "simulation": ("Simulation",),
     "sweeps": ("FailedRun", "sweep"),
     "engine.probe": ("contact_height", "drift"),
 }

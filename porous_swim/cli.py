@@ -135,7 +135,7 @@ def run(
     bound_libraries(threads or usable_processors())
     with fatal():
         from porous_swim.run_folder import RunFolder
-        from porous_swim.simulation import run_in
+        from porous_swim.runs import run_in
 
     options = {"run.seed": seed, "run.device": device, "run.precision": precision, "run.threads": threads}
     loaded = _scene(scene, changes, {key: value for key, value in options.items() if value is not None})
@@ -211,7 +211,7 @@ def report(
     from porous_swim.manifest import REPORTS
     from porous_swim.reporting.terminal import print_report
     from porous_swim.reporting.write import write_report
-    from porous_swim.results import load_results
+    from porous_swim.results_loading import load_results
 
     every = [load_results(folder) for folder in (run_folder, *(compare or []))]
     made = write_report(every, out or run_folder / REPORTS[1 if compare else 0])

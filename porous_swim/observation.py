@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -30,6 +30,7 @@ from porous_swim.results import Results
 from porous_swim.run_folder import RunFolder
 from porous_swim.scales import Scales, with_physical
 from porous_swim.scene_identity import portable
+from porous_swim.simulation import Simulation
 from porous_swim.stopwatch import Stopwatch
 from porous_swim.tables import (
     COLLOIDS_SCHEMA,
@@ -39,9 +40,6 @@ from porous_swim.tables import (
     TableInfo,
     make_table,
 )
-
-if TYPE_CHECKING:
-    from porous_swim.simulation import Simulation
 
 KEEP_SECONDS = 60.0  # what a killed run may lose of its recording and trajectory
 NO_LOCKS = "The file system of the run folder has no locks: nothing keeps a second run out of the folder."

@@ -10,16 +10,14 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pyarrow as pa
 
 from porous_swim.errors import ResultsError
+from porous_swim.results import Results
 from porous_swim.table_check import LARGEST, Limits, check_table
 from porous_swim.tables import TableInfo
-
-if TYPE_CHECKING:
-    from porous_swim.results import Results
 
 _LATEST = 1e10  # a/U; ten times the longest run
 _DEEPEST = 12  # maps and lists within each other in a summary; a run writes five

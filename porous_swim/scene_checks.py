@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.parts import KeyedError, SeveralKeyedError
 from porous_swim.physics.noise import Brownian
-
-if TYPE_CHECKING:
-    from porous_swim.scene import Scene
+from porous_swim.scene_model import SceneModel
 
 _MOST_TURN = 0.017  # D_r times the length of a flight: kicks of 5.4 standard deviations then turn by one radian
 _SPACING = {"f32": 2.0**-23, "f64": 2.0**-52}  # between a number near 1, such as a director's component, and the next
@@ -20,7 +17,7 @@ _WELL_KICKED = (
 )
 
 
-def disagreements(scene: Scene, *, whole: bool = True) -> list[KeyedError]:
+def disagreements(scene: SceneModel, *, whole: bool = True) -> list[KeyedError]:
     """Return what sections of `scene` say against each other; where it is not `whole`, as far as it has them."""
     found: list[KeyedError] = []
     for check in _CHECKS:
@@ -36,11 +33,11 @@ def disagreements(scene: Scene, *, whole: bool = True) -> list[KeyedError]:
     return found
 
 
-def _whole_run(scene: Scene) -> None:
+def _whole_run(scene: SceneModel) -> None:
     _check_whole_steps("run.duration", scene.run.duration, scene.run.time_step)
 
 
-def _whole_record(scene: Scene) -> None:
+def _whole_record(scene: SceneModel) -> None:
     every, run = scene.record.every, scene.run
     if every is None:
         return
@@ -49,7 +46,7 @@ def _whole_record(scene: Scene) -> None:
         raise KeyedError("record.every", f"expected at most run.duration ({run.duration:g}), found {every:g}")
 
 
-def _burn_in(scene: Scene) -> None:
+def _burn_in(scene: SceneModel) -> None:
     burn_in, run = scene.record.burn_in, scene.run
     if burn_in >= run.duration:
         raise KeyedError("record.burn_in", f"expected less than run.duration ({run.duration:g}), found {burn_in:g}")
@@ -66,7 +63,7 @@ def _check_whole_steps(key: str, time: float, time_step: float) -> None:
         raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")
 
 
-def _step_can_be_added(scene: Scene) -> None:
+def _step_can_be_added(scene: SceneModel) -> None:
     """The turn of one step must not vanish in the rounding of a director; positions carry what rounding left."""
     step, D_r, spacing = scene.run.time_step, scene.rotational_diffusion, _SPACING[scene.precision]
     least = _WELL_ADDED * spacing
@@ -81,7 +78,7 @@ def _step_can_be_added(scene: Scene) -> None:
         )
 
 
-def _flights(scene: Scene) -> None:
+def _flights(scene: SceneModel) -> None:
     """Steps must be able to grow to `run.flight_step`."""
     key, run, D_r = "run.flight_step", scene.run, scene.rotational_diffusion
     length = run.flight_step
@@ -102,19 +99,19 @@ def _flights(scene: Scene) -> None:
             raise KeyedError(key, f"expected a whole part of {other} ({time:g}), found {length:g}")
 
 
-def _obstacles(scene: Scene) -> None:
+def _obstacles(scene: SceneModel) -> None:
     scene.obstacles.check(scene.domain)
 
 
-def _release(scene: Scene) -> None:
+def _release(scene: SceneModel) -> None:
     scene.swimmers.release.check(scene.domain)
 
 
-def _encounter(scene: Scene) -> None:
+def _encounter(scene: SceneModel) -> None:
     scene.encounter.check()
 
 
-def _integrator(scene: Scene) -> None:
+def _integrator(scene: SceneModel) -> None:
     noisy = isinstance(scene.noise, Brownian)
     if scene.run.integrator == "located" and (noisy or scene.run.precision == "f32"):
         raise KeyedError("run.integrator", "located is for runs without noise in f64: expected euler or auto")
@@ -122,6 +119,6 @@ def _integrator(scene: Scene) -> None:
         raise KeyedError("run.integrator", "reflected is for runs with noise: expected located, euler or auto")
 
 
-_CHECKS: tuple[Callable[[Scene], None], ...] = (
+_CHECKS: tuple[Callable[[SceneModel], None], ...] = (
     _whole_run, _whole_record, _burn_in, _step_can_be_added, _flights, _obstacles, _release, _encounter, _integrator,
 )  # fmt: skip

@@ -8,16 +8,14 @@ import json
 import shutil
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from porous_swim.manifest import RUN_NAMES
+from porous_swim.scene_model import SceneModel
 from porous_swim.yaml_core import write_yaml
 
-if TYPE_CHECKING:
-    from porous_swim.scene import Scene
 
-
-def resolved(scene: Scene) -> dict[str, Any]:
+def resolved(scene: SceneModel) -> dict[str, Any]:
     """Return the scene with every default written out, as plain data that loads to the same scene."""
     data: dict[str, Any] = _tidy(scene.model_dump())
     data["record"] |= {
@@ -28,7 +26,7 @@ def resolved(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def portable(scene: Scene) -> dict[str, Any]:
+def portable(scene: SceneModel) -> dict[str, Any]:
     """Return the same with full paths of the files that it names: it loads from anywhere."""
     data = resolved(scene)
     for key, path in scene.files.items():
@@ -36,12 +34,12 @@ def portable(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def file_hashes(scene: Scene) -> dict[str, str]:
+def file_hashes(scene: SceneModel) -> dict[str, str]:
     """Return hexadecimal digits of what is in each file that the scene names, by dotted key."""
     return {key: hashlib.sha256(path.read_bytes()).hexdigest() for key, path in scene.files.items()}
 
 
-def scene_hash(scene: Scene) -> str:
+def scene_hash(scene: SceneModel) -> str:
     """Return 16 hexadecimal digits that differ when the result could."""
     data = resolved(scene)
     for key in ("name", "description", "record"):
@@ -56,7 +54,7 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def copies(scene: Scene, folder: Path) -> dict[str, str]:
+def copies(scene: SceneModel, folder: Path) -> dict[str, str]:
     """Return the names that copies of the files that a scene names get in `folder`, by dotted key.
 
     None has the name of a file that a run writes, nor that of a file of other content that is there.
@@ -77,7 +75,7 @@ def _fits(path: Path, place: Path) -> bool:
     return not place.exists() or (place.is_file() and filecmp.cmp(path, place, shallow=False))
 
 
-def save(scene: Scene, folder: Path) -> None:
+def save(scene: SceneModel, folder: Path) -> None:
     """Write `scene.yaml` into `folder` and copy the files that it names beside it: it runs from there."""
     data, names = resolved(scene), copies(scene, folder)
     for key, path in scene.files.items():

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.parts import KeyedError
-
-if TYPE_CHECKING:
-    from porous_swim.scene import Scene
+from porous_swim.scene_model import SceneModel
 
 _COARSEST = 1e-3  # of the least contact height, that a height may be rounded to; the flow is then off by 0.4 %
 _DIGITS = {"f32": 24, "f64": 53}
@@ -19,14 +16,14 @@ _MOST_CHANGE = 1.0  # of the flow at contact, of itself within a step
 _LONGEST_KICK = 1.0  # a, where there are colloids
 
 
-def check_limits(scene: Scene, field: ObstacleField) -> None:
+def check_limits(scene: SceneModel, field: ObstacleField) -> None:
     """Raise a `KeyedError` for what cannot be computed in a scene with its colloids."""
     _check_precision(scene, field)
     _check_flow(scene, field)
     _check_noise(scene, field)
 
 
-def _check_precision(scene: Scene, field: ObstacleField) -> None:
+def _check_precision(scene: SceneModel, field: ObstacleField) -> None:
     """Heights are differences of distances as large as the colloid; that above a plane wall is a number itself."""
     largest = float(field.radii.max(initial=0.0, where=np.isfinite(field.radii)))
     most = _COARSEST * scene.swimmers.aspect_ratio * 2.0 ** _DIGITS[scene.precision]
@@ -39,7 +36,7 @@ def _check_precision(scene: Scene, field: ObstacleField) -> None:
         )
 
 
-def _check_flow(scene: Scene, field: ObstacleField) -> None:
+def _check_flow(scene: SceneModel, field: ObstacleField) -> None:
     if scene.integrator == "located" or scene.hydrodynamics.kind == "none" or len(field.radii) == 0:
         return  # where steps are located their length follows the flow
     alpha, dt = scene.swimmers.dipole_strength, scene.run.time_step
@@ -62,7 +59,7 @@ def _slope_at_contact(h: float, A: float) -> float:
     return K * (2.0 / h + 2.0 / (2.0 * A + h) - 1.0 / (A + h))
 
 
-def _check_noise(scene: Scene, field: ObstacleField) -> None:
+def _check_noise(scene: SceneModel, field: ObstacleField) -> None:
     D, dt = scene.translational_diffusion, scene.run.time_step
     kick = sqrt(2.0 * D * dt)
     if kick > _LONGEST_KICK and len(field.radii):

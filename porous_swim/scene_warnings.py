@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.narrow_gaps import narrow_gaps
 from porous_swim.obstacles.nearest import NearestSphere
 from porous_swim.obstacles.pores import closed_share
-
-if TYPE_CHECKING:
-    from porous_swim.scene import Scene
+from porous_swim.scene_model import SceneModel
 
 _NOTEWORTHY_JUMP = 0.1  # of the swimming speed
 _LONG_KICK = 0.1  # half-lengths or radians in one step
@@ -27,7 +24,7 @@ _NOTEWORTHY_BIAS = 0.01
 _NOTEWORTHY_ROOM = 0.005
 
 
-def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
+def warnings_of(scene: SceneModel, field: ObstacleField) -> list[str]:
     """Return the warnings for a scene and its colloids."""
     return [
         *field.notes,
@@ -42,7 +39,7 @@ def warnings_of(scene: Scene, field: ObstacleField) -> list[str]:
     ]
 
 
-def _step(scene: Scene) -> Iterator[str]:
+def _step(scene: SceneModel) -> Iterator[str]:
     dt = scene.run.time_step
     if dt > _LONG_STEP and scene.integrator == "euler":
         yield f"run.time_step {dt:g} is long: a swimmer moves as far in a step; keep it below {_LONG_STEP:g}"
@@ -59,7 +56,7 @@ def _step(scene: Scene) -> Iterator[str]:
             )
 
 
-def _clamp(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _clamp(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     # Measured: 1.3 % at dt 0.001 at one colloid of radius 20, 10 % at 0.005 in a hexagonal crystal.
     noisy = scene.translational_diffusion or scene.rotational_diffusion
     if scene.integrator == "euler" and noisy and len(field.radii):
@@ -72,7 +69,7 @@ def _clamp(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _flow(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _flow(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     """The flow must not change much over what a swimmer moves in a step: at contact it is 3 alpha/(8 h^2)."""
     if scene.integrator != "reflected" or scene.hydrodynamics.kind == "none" or len(field.radii) == 0:
         return
@@ -87,7 +84,7 @@ def _flow(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _rounding(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _rounding(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     # Measured relative error of the drift near contact in single precision: 4e-6, 4e-5, 5e-4 at A = 20, 200, 2000.
     largest = float(field.radii.max(initial=0.0, where=np.isfinite(field.radii)))  # the height above a wall is exact
     if scene.precision == "f32" and largest > _LARGE_RADIUS:
@@ -97,7 +94,7 @@ def _rounding(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _mid_planes(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _mid_planes(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     if scene.hydrodynamics.kind == "none" or len(field.radii) < 2:
         return
     _, gaps = NearestSphere(field.centers, field.radii, field.box).nearest_other()
@@ -112,7 +109,7 @@ def _mid_planes(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _frames(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _frames(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     """A swimmer that slides along a colloid of radius A at speed 1 turns around it at a rate of 1/(A + gamma)."""
     least = float(field.radii.min(initial=np.inf))
     every, orbit = scene.record_period * scene.run.time_step, least + scene.swimmers.aspect_ratio
@@ -125,7 +122,7 @@ def _frames(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _pores(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _pores(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     clearance = scene.swimmers.aspect_ratio  # of a centre from a surface: of a rod that lies along it
     share = closed_share(field, clearance)
     if share > _NOTEWORTHY_ROOM:
@@ -135,7 +132,7 @@ def _pores(scene: Scene, field: ObstacleField) -> Iterator[str]:
         )
 
 
-def _narrow_gaps(scene: Scene, field: ObstacleField) -> Iterator[str]:
+def _narrow_gaps(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     """A swimmer passes where surfaces are as far apart as it is thick, a rod that points along the gap."""
     gamma = scene.swimmers.aspect_ratio
     gaps = narrow_gaps(field, 2.0 * gamma)

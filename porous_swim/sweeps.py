@@ -11,10 +11,13 @@ from typing import Any
 
 from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, SceneError
 from porous_swim.footprint import require_memory
+from porous_swim.manifest import SUMMARY
 from porous_swim.printing import tell
-from porous_swim.results import SUMMARY, Results, load_results
+from porous_swim.results import Results
+from porous_swim.results_loading import load_results
+from porous_swim.runs import run
 from porous_swim.scene import Scene, load_scene
-from porous_swim.simulation import Start, run
+from porous_swim.simulation import Start
 
 _MOST_TOLD = 10  # mistakes in one message
 

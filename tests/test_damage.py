@@ -127,7 +127,7 @@ def test_a_long_table_is_checked_part_by_part(folder, monkeypatch) -> None:
     bad = pa.array([*values[:-1], float("inf")], field.type)
     pq.write_table(read.set_column(read.schema.get_field_index("wall_push"), field, bad), path, row_group_size=50)
     monkeypatch.setattr("porous_swim.encounters.MANY", 10)
-    monkeypatch.setattr("porous_swim.results.MANY", 10)
+    monkeypatch.setattr("porous_swim.results_loading.MANY", 10)
     results = ps.load_results(relisted(folder))  # reads no row
     for read_all in (lambda: results.encounters, lambda: list(results.stored.parts("wall_push"))):
         with pytest.raises(ResultsError, match=r"encounters\.parquet: column wall_push, row \d+: found inf"):

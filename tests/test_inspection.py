@@ -10,8 +10,9 @@ from commands import ROOT
 from porous_swim import costs
 from porous_swim.engine.backend import Backend
 from porous_swim.inspection import describe
+from porous_swim.runs import _device_line
 from porous_swim.scene import Scene, load_scene
-from porous_swim.simulation import Simulation, _device_line
+from porous_swim.simulation import Simulation
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0}
 

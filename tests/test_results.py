@@ -11,7 +11,8 @@ import pytest
 
 from porous_swim.encounters import Encounters
 from porous_swim.errors import ResultsError
-from porous_swim.results import Results, load_results
+from porous_swim.results import Results
+from porous_swim.results_loading import load_results
 from porous_swim.run_folder import RunFolder
 from porous_swim.tables import ENCOUNTERS_SCHEMA, SCHEMAS, TIMESERIES_SCHEMA, TableInfo, make_table, write_table
 from tests import synthetic
