@@ -10,25 +10,24 @@ import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from porous_swim import kernel_cache
+from porous_swim.core import kernel_cache
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported anywhere
 kernel_cache.prepare()
 
 if TYPE_CHECKING:
     __version__: str
-    from porous_swim import analysis
-    from porous_swim.analysis import theory
-    from porous_swim.analysis.flow import flow_field
+    from porous_swim import analysis, theory
+    from porous_swim.core.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.engine.probe import contact_height, drift
-    from porous_swim.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.reporting.write import report
-    from porous_swim.results import Results
-    from porous_swim.results_loading import load_results
-    from porous_swim.runs import run
-    from porous_swim.scene import Scene, load_scene
-    from porous_swim.simulation import Simulation
-    from porous_swim.sweeps import FailedRun, sweep
+    from porous_swim.results.loading import load_results
+    from porous_swim.results.results import Results
+    from porous_swim.running.run import run
+    from porous_swim.running.simulation import Simulation
+    from porous_swim.running.sweeps import FailedRun, sweep
+    from porous_swim.scene.scene import Scene, load_scene
+    from porous_swim.theory.flow_field import flow_field
 
 __all__ = [
     "DeviceError",
@@ -54,15 +53,15 @@ __all__ = [
 ]
 
 _HOME = {
-    "analysis.flow": ("flow_field",),
-    "errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
+    "theory.flow_field": ("flow_field",),
+    "core.errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
     "reporting.write": ("report",),
-    "results": ("Results",),
-    "results_loading": ("load_results",),
-    "scene": ("Scene", "load_scene"),
-    "runs": ("run",),
-    "simulation": ("Simulation",),
-    "sweeps": ("FailedRun", "sweep"),
+    "results.results": ("Results",),
+    "results.loading": ("load_results",),
+    "scene.scene": ("Scene", "load_scene"),
+    "running.run": ("run",),
+    "running.simulation": ("Simulation",),
+    "running.sweeps": ("FailedRun", "sweep"),
     "engine.probe": ("contact_height", "drift"),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
@@ -76,7 +75,7 @@ def __getattr__(name: str) -> Any:
     if name == "analysis":
         return import_module("porous_swim.analysis")
     if name == "theory":
-        return import_module("porous_swim.analysis.theory")
+        return import_module("porous_swim.theory")
     if name in _MODULE_OF:
         return getattr(import_module(f"porous_swim.{_MODULE_OF[name]}"), name)
     raise AttributeError(f"module 'porous_swim' has no attribute {name!r}")

@@ -11,7 +11,7 @@ import time
 
 import porous_swim as ps
 from porous_swim.paper.noise import Case, mean_of, trapping_times
-from porous_swim.templates import scenes_folder
+from porous_swim.scene.shipped import scenes_folder
 
 STEPS = {"reflected": (0.16, 0.08, 0.04, 0.02, 0.01, 0.005), "euler": (0.02, 0.01, 0.005)}
 TRAPPING = {  # case and duration: the mean and eight or more standard deviations of T_h

@@ -19,7 +19,7 @@ import rerun_cli
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
-from porous_swim.observers.timeline import SECONDS, STEP
+from porous_swim.observers.rerun.timeline import SECONDS, STEP
 
 _LOAD_SECONDS = 120.0
 

@@ -2,29 +2,14 @@
 
 from __future__ import annotations
 
-from porous_swim.analysis import theory
+from porous_swim import theory
 from porous_swim.analysis.density import cell_density, height_pitch_density
-from porous_swim.analysis.departures import Departures, departures
-from porous_swim.analysis.diffusion import EffectiveDiffusivity, effective_diffusivity
-from porous_swim.analysis.displacements import (
-    displacement_histogram,
-    msd_exponent,
-    non_gaussian_parameter,
-)
-from porous_swim.analysis.ensemble import (
-    director_memory,
-    ensemble_diffusivity,
-    ensemble_director_correlation,
-    ensemble_msd,
-    ensemble_non_gaussian_parameter,
-)
 from porous_swim.analysis.estimates import Estimate
-from porous_swim.analysis.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from porous_swim.analysis.groups import by_column, by_radius, encounter_radii
 from porous_swim.analysis.histogram import Histogram, Map, Profile, binned_mean, histogram, histogram_2d
-from porous_swim.analysis.hop_network import Symmetry, hop_counts, hop_degrees, hop_network, hop_symmetry
-from porous_swim.analysis.hop_table import Shells, hop_shells, hop_table
-from porous_swim.analysis.hops import (
+from porous_swim.analysis.hopping.hop_network import Symmetry, hop_counts, hop_degrees, hop_network, hop_symmetry
+from porous_swim.analysis.hopping.hop_table import Shells, hop_shells, hop_table
+from porous_swim.analysis.hopping.hops import (
     HopStatistics,
     Moves,
     flight_lifetimes,
@@ -35,18 +20,12 @@ from porous_swim.analysis.hops import (
     moves,
     returns,
 )
-from porous_swim.analysis.lagged import (
-    TimeAverages,
-    straightness,
-    time_averaged_director_correlation,
-    time_averaged_msd,
-)
-from porous_swim.analysis.lifetime_fits import FittedParameter, LifetimeFit, fit_lifetimes
-from porous_swim.analysis.lifetimes import Lifetimes
-from porous_swim.analysis.log_rank import LogRank, one_sample_log_rank
-from porous_swim.analysis.orbits import Orbits, orbits
-from porous_swim.analysis.persistence import Persistence, persistence
-from porous_swim.analysis.residence import (
+from porous_swim.analysis.lifetimes.departures import Departures, departures
+from porous_swim.analysis.lifetimes.goodness_of_fit import GoodnessOfFit, goodness_of_fit
+from porous_swim.analysis.lifetimes.lifetime_fits import FittedParameter, LifetimeFit, fit_lifetimes
+from porous_swim.analysis.lifetimes.lifetimes import Lifetimes
+from porous_swim.analysis.lifetimes.log_rank import LogRank, one_sample_log_rank
+from porous_swim.analysis.lifetimes.residence import (
     bound_fraction,
     bound_fraction_at,
     contact_fraction,
@@ -57,11 +36,32 @@ from porous_swim.analysis.residence import (
     residence_survival,
     residence_times,
 )
+from porous_swim.analysis.lifetimes.survival import SurvivalCurve, WaitingTimes, survival_curve, waiting_times
+from porous_swim.analysis.lifetimes.survival_band import SurvivalBand, survival_at, survival_band
+from porous_swim.analysis.orbits import Orbits, orbits
 from porous_swim.analysis.scattering import scattering
 from porous_swim.analysis.summary import summarize, summary_lines
-from porous_swim.analysis.survival import SurvivalCurve, WaitingTimes, survival_curve, waiting_times
-from porous_swim.analysis.survival_band import SurvivalBand, survival_at, survival_band
-from porous_swim.analysis.transport import (
+from porous_swim.analysis.transport.diffusion import EffectiveDiffusivity, effective_diffusivity
+from porous_swim.analysis.transport.displacements import (
+    displacement_histogram,
+    msd_exponent,
+    non_gaussian_parameter,
+)
+from porous_swim.analysis.transport.ensemble import (
+    director_memory,
+    ensemble_diffusivity,
+    ensemble_director_correlation,
+    ensemble_msd,
+    ensemble_non_gaussian_parameter,
+)
+from porous_swim.analysis.transport.lagged import (
+    TimeAverages,
+    straightness,
+    time_averaged_director_correlation,
+    time_averaged_msd,
+)
+from porous_swim.analysis.transport.persistence import Persistence, persistence
+from porous_swim.analysis.transport.transport import (
     Diffusivity,
     Lagged,
     Tracks,
@@ -70,7 +70,7 @@ from porous_swim.analysis.transport import (
     msd,
     tracks,
 )
-from porous_swim.analysis.travel import travel_times
+from porous_swim.analysis.transport.travel import travel_times
 from porous_swim.analysis.winding import Winding, winding
 
 __all__ = [

@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.errors import ResultsError
+from porous_swim.core.errors import ResultsError
 
 # what statistics of displacements and of directors need of a trajectory
 PLACES = "time swimmer x y z"

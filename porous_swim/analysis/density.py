@@ -10,8 +10,8 @@ import pyarrow as pa
 from porous_swim.analysis.columns import DIRECTORS, column, needs, vectors
 from porous_swim.analysis.histogram import Map, histogram_2d
 from porous_swim.analysis.places import centers_of, sphere_radii_of
-from porous_swim.errors import ResultsError
-from porous_swim.tables import TableInfo, steady_frames
+from porous_swim.core.errors import ResultsError
+from porous_swim.results.tables import TableInfo, steady_frames
 
 
 @needs(trajectory="swimmer x y")

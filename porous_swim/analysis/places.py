@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, vectors
-from porous_swim.errors import ResultsError
+from porous_swim.core.errors import ResultsError
 
 
 def centers_of(colloids: pa.Table) -> np.ndarray:

@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column, needs, vectors
 from porous_swim.analysis.places import centers_of, sphere_radii_of
-from porous_swim.tables import TableInfo
+from porous_swim.results.tables import TableInfo
 
 _BOUND = 0.5  # turns: beyond, the angle, which is known up to full turns, says nothing of how the swimmer went
 _ENCOUNTERS = (

@@ -11,23 +11,23 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, needs
-from porous_swim.analysis.diffusion import EffectiveDiffusivity
-from porous_swim.analysis.ensemble import director_memory, ensemble_diffusivity
 from porous_swim.analysis.estimates import Estimate, value_and_error
-from porous_swim.analysis.hops import MOVES, HopStatistics, flights, hop_statistics
-from porous_swim.analysis.residence import (
+from porous_swim.analysis.hopping.hops import MOVES, HopStatistics, flights, hop_statistics
+from porous_swim.analysis.lifetimes.residence import (
     bound_fraction,
     contact_fraction,
     contact_fraction_of_encounters,
     escape_pitch_times,
     residence_times,
 )
-from porous_swim.analysis.survival import WaitingTimes
-from porous_swim.analysis.transport import PERSISTENCE_TIMES_WANTED
+from porous_swim.analysis.lifetimes.survival import WaitingTimes
+from porous_swim.analysis.transport.diffusion import EffectiveDiffusivity
+from porous_swim.analysis.transport.ensemble import director_memory, ensemble_diffusivity
+from porous_swim.analysis.transport.transport import PERSISTENCE_TIMES_WANTED
 from porous_swim.analysis.winding import Winding, winding
-from porous_swim.encounters import Encounters, parts_of
-from porous_swim.scales import pretty
-from porous_swim.tables import TableInfo
+from porous_swim.core.scales import pretty
+from porous_swim.results.encounter_table import Encounters, parts_of
+from porous_swim.results.tables import TableInfo
 
 ENDS_WANTED = 30  # below that a jackknife error is itself off by more than some 15 %
 _LAGS = "lag n_swimmers msd director_correlation"

@@ -9,9 +9,9 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, ratio_of_sums
+from porous_swim.analysis.lifetimes.residence import WHEN, residence_lengths
 from porous_swim.analysis.places import at_wall
-from porous_swim.analysis.residence import WHEN, residence_lengths
-from porous_swim.encounters import Encounters, parts_of
+from porous_swim.results.encounter_table import Encounters, parts_of
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.rows import make_wide
+from porous_swim.engine.kernel.rows import make_wide
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.euler import make_euler
 from porous_swim.physics.hydrodynamics import ImageDipole

@@ -8,7 +8,7 @@ from porous_swim.bench.figure import Conditions, Figure, Setting, compared
 from porous_swim.bench.job import crystal, lattice, single
 from porous_swim.bench.timing import take_turns
 from porous_swim.bench.works import Placed
-from porous_swim.scene import Scene
+from porous_swim.scene.scene import Scene
 
 MOST_BYTES = 200
 

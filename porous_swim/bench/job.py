@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from porous_swim.engine.laws import Laws
-from porous_swim.scene import Scene, load_scene
-from porous_swim.templates import scenes_folder
+from porous_swim.engine.parameters import Laws
+from porous_swim.scene.scene import Scene, load_scene
+from porous_swim.scene.shipped import scenes_folder
 
 TIME_STEP = 0.005  # a/U
 

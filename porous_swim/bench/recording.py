@@ -6,12 +6,12 @@ import time
 from collections.abc import Sequence
 
 from porous_swim.bench.figure import Conditions, Figure, Setting
-from porous_swim.observation import Observers
-from porous_swim.run_folder import RunFolder
-from porous_swim.scene import load_scene
-from porous_swim.simulation import Simulation
-from porous_swim.stopwatch import Stopwatch
-from porous_swim.templates import scenes_folder
+from porous_swim.core.stopwatch import Stopwatch
+from porous_swim.results.run_folder import RunFolder
+from porous_swim.running.observation import Observers
+from porous_swim.running.simulation import Simulation
+from porous_swim.scene.scene import load_scene
+from porous_swim.scene.shipped import scenes_folder
 
 MOST = 0.1
 

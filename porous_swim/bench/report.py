@@ -16,8 +16,8 @@ from typing import Any
 from porous_swim.bench import answer, conditions, fields, one_colloid, peers, recording, threads
 from porous_swim.bench.figure import QUICK, Counts, Figure, Group, Setting
 from porous_swim.bench.reference import References, compilers
-from porous_swim.errors import SceneError
-from porous_swim.printing import tell
+from porous_swim.core.console import tell
+from porous_swim.core.errors import SceneError
 
 GROUPS: dict[str, Group] = {
     "one_colloid": one_colloid.figures,

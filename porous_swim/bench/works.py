@@ -13,8 +13,8 @@ from porous_swim.bench.timing import Work
 from porous_swim.engine import backend
 from porous_swim.engine.engine import TASK
 from porous_swim.engine.medium import on_device
-from porous_swim.scene import Scene
-from porous_swim.simulation import Simulation
+from porous_swim.running.simulation import Simulation
+from porous_swim.scene.scene import Scene
 
 SETTLING = 4000  # steps until swimmers are spread over free and bound
 

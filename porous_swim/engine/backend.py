@@ -14,10 +14,11 @@ from io import StringIO
 import taichi as ti
 from taichi.lang import impl
 
-from porous_swim import kernel_cache, limits
-from porous_swim.errors import DeviceError
-from porous_swim.machine import usable_processors
-from porous_swim.printing import tell
+from porous_swim.core import kernel_cache
+from porous_swim.core import process_limits as limits
+from porous_swim.core.console import tell
+from porous_swim.core.errors import DeviceError
+from porous_swim.core.machine import usable_processors
 
 ti.set_logging_level(ti.ERROR)  # looking for a device that is not there is no reason to warn
 

@@ -9,22 +9,22 @@ import numpy as np
 import taichi as ti
 from taichi.lang.util import to_numpy_type
 
-from porous_swim.engine.advance import Structure, make_advance
+from porous_swim.core.errors import DeviceError, RunError
 from porous_swim.engine.backend import Backend, check_alive, whole_vectors
-from porous_swim.engine.host import HostState, Snapshot
-from porous_swim.engine.laws import Laws, Numbers, flight_height
+from porous_swim.engine.encounter_log import Records
+from porous_swim.engine.kernel.advance import Structure, make_advance
+from porous_swim.engine.kernel.log import N_LOG_INTS, Log, LogLong, log_columns
+from porous_swim.engine.kernel.settle import MAX_IMAGE
+from porous_swim.engine.kernel.state import Event, Int, Total, has_mates
+from porous_swim.engine.kernel.survey import Survey, make_survey
+from porous_swim.engine.kernel.swimmers import Rules, Swimmers
 from porous_swim.engine.limits import LONGEST_LAUNCH
-from porous_swim.engine.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.medium import load_medium, on_device
-from porous_swim.engine.news import News, NewsDesk
+from porous_swim.engine.parameters import Laws, Numbers, flight_height
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.records import Records
-from porous_swim.engine.settle import MAX_IMAGE
-from porous_swim.engine.state import Event, Int, Total, has_mates
-from porous_swim.engine.survey import Survey, make_survey
-from porous_swim.engine.swimmers import Rules, Swimmers
+from porous_swim.engine.recent_events import News, NewsDesk
+from porous_swim.engine.snapshot import HostState, Snapshot
 from porous_swim.engine.transfer import on_host, to_device
-from porous_swim.errors import DeviceError, RunError
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.contact import HardContact, Shape, shape_of

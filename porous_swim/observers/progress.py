@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from porous_swim.core.console import Unfailing, tell
 from porous_swim.observers.base import Every, Frame
-from porous_swim.printing import Unfailing, tell
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pyarrow as pa
 
 from porous_swim.observers.base import Every, Frame
-from porous_swim.tables import TIMESERIES_SCHEMA, TableInfo
+from porous_swim.results.tables import TIMESERIES_SCHEMA, TableInfo
 
 
 class TimeSeries:

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from porous_swim.errors import RunError
+from porous_swim.core.errors import RunError
 from porous_swim.observers.base import Every, Frame
-from porous_swim.tables import PART, TRAJECTORY_SCHEMA, TableInfo, writer_of
+from porous_swim.results.tables import PART, TRAJECTORY_SCHEMA, TableInfo, writer_of
 
 _NAMES = ["time", "swimmer", "colloid", "image_x", "image_y", "image_z", "state"]  # columns of few values
 _GROUP_ROWS = 1 << 17  # in a row group: 11 MB, large enough to compress, small enough to hold

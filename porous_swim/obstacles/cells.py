@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from porous_swim.errors import SceneError
-from porous_swim.machine import usable_processors
+from porous_swim.core.errors import SceneError
+from porous_swim.core.machine import usable_processors
 from porous_swim.obstacles.field import ObstacleField
 
 FIXED_BITS = 52

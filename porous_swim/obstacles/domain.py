@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from porous_swim.parts import LEAST_RADIUS, LONGEST, KeyedError, Length, Part, as_vector
+from porous_swim.core.parts import LEAST_RADIUS, LONGEST, KeyedError, Length, Part, as_vector
 
 MOST_COLLOIDS = 10**8  # about 3 GB of centres and radii
 

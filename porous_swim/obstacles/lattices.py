@@ -9,9 +9,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from porous_swim.core.parts import LONGEST, KeyedError, Length, Part, Radius, Whole, check_all
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.parts import LONGEST, KeyedError, Length, Part, Radius, Whole, check_all
 
 
 class Lattice(Part):

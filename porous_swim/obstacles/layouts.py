@@ -11,7 +11,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
-from porous_swim.columns import read_columns
+from porous_swim.core.csv_table import read_columns
+from porous_swim.core.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Part, Point, Radius, as_vector
 from porous_swim.obstacles.disorder import Packing, Random
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
@@ -19,7 +20,6 @@ from porous_swim.obstacles.lattices import BodyCentred, FaceCentred, Hexagonal, 
 from porous_swim.obstacles.measured import Beads, Overlaps, compared_with_box, merged, resolved
 from porous_swim.obstacles.overlaps import TOUCH, checked_field
 from porous_swim.obstacles.wall import Wall
-from porous_swim.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Part, Point, Radius, as_vector
 
 
 class NoObstacles(Part):

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from porous_swim.core.parts import KeyedError
 from porous_swim.obstacles.nearest import NearestSphere, wrap
-from porous_swim.parts import KeyedError
 
 Overlaps = Literal["error", "shrink", "drop"]
 _SAME_BEAD = 0.5  # of the smaller radius: centres nearer than that are no two beads that touch

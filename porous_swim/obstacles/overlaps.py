@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from porous_swim.core.parts import KeyedError
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.nearest import NearestSphere, wrap
-from porous_swim.parts import KeyedError
 
 TOUCH = 1e-9  # share of the summed radii by which touching spheres may overlap from rounding
 

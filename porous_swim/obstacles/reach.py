@@ -6,9 +6,9 @@ from math import pi
 
 import numpy as np
 
+from porous_swim.core.parts import KeyedError
 from porous_swim.obstacles.cells import CELLS_PER_COLLOID, MAX_CELLS_PER_AXIS, MOST_IMAGES
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.parts import KeyedError
 
 _MOST_ELONGATED = 20 * MAX_CELLS_PER_AXIS  # beyond, even the shortest cells are many times as long as the box is wide
 _SWIMMER, _MOST_TOUCHED = 1.0, 1000  # a, and colloids within that of a point: more of them are no obstacles but a fluid

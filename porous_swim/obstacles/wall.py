@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
+from porous_swim.core.parts import Direction, KeyedError, Part, Point, as_vector, unit_vector
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.parts import Direction, KeyedError, Part, Point, as_vector, unit_vector
 from porous_swim.physics.surface import Surface
 
 _KEY = "obstacles"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from porous_swim.batch import Member
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
 from porous_swim.paper.scan import is_held, outgoing_angle, paper_scene, pitch_of, run_changes, thresholds
+from porous_swim.running.batch import Member
 
 NAME = "Bullseye"
 TITLE = "A pusher (alpha = 0.8) aimed 0.1 a beside the centre of a colloid of radius 5, 15, 20"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from porous_swim.analysis import theory
-from porous_swim.batch import Member
+from porous_swim import theory
 from porous_swim.paper.figure import Reproduction, Row, panels
 from porous_swim.paper.scan import is_held, paper_scene, pitch_of, thresholds
-from porous_swim.scene import Scene
+from porous_swim.running.batch import Member
+from porous_swim.scene.scene import Scene
 
 NAME = "Ac_compare"
 TITLE = "Critical radius of pushers (a) and pullers (b) against the dipole strength"

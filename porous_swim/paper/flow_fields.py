@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from porous_swim.analysis.flow import flow_field
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
 from porous_swim.paper.scan import paper_scene
+from porous_swim.theory.flow_field import flow_field
 
 NAME = "FlowFields"
 TITLE = "Flow of a pusher (alpha = 0.8) at height 5 above a colloid of radius 10: parallel, inclined, perpendicular"

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from porous_swim.analysis import theory
+from porous_swim import theory
 from porous_swim.paper.figure import Reproduction, Row, panels
 from porous_swim.paper.noise import Case, mean_of, trapping_times
 from porous_swim.paper.scan import paper_scene

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from porous_swim.batch import Member
 from porous_swim.paper.scan import run_changes
-from porous_swim.scene import Scene
+from porous_swim.running.batch import Member
+from porous_swim.scene.scene import Scene
 
 
 @dataclass(frozen=True)

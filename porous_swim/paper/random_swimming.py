@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from porous_swim.batch import Member
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
 from porous_swim.paper.scan import paper_scene, pitch_of, run_changes
+from porous_swim.running.batch import Member
 
 NAME = "RandomSwimming"
 TITLE = "Pushers (alpha = 0.8) from x = -40 at a colloid of radius 20 for 120 a/U, D = 5e-4 and 2e-3"

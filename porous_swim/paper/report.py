@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from porous_swim.errors import ResultsError, SceneError
+from porous_swim.core.errors import ResultsError, SceneError
 from porous_swim.paper import FIGURES
 from porous_swim.paper.figure import AGREES, DIFFERS, HEADER, REPORTED, Reproduction, Row
 

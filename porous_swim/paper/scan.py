@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from porous_swim.batch import Member, run_batch
-from porous_swim.scene import Scene, load_scene
-from porous_swim.templates import scenes_folder
+from porous_swim.running.batch import Member, run_batch
+from porous_swim.scene.scene import Scene, load_scene
+from porous_swim.scene.shipped import scenes_folder
 
 SECTIONS = 3  # trial values in a bracket, tried at once: a bracket shrinks 4-fold in a batch
 

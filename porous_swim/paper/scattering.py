@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from porous_swim.analysis import theory
-from porous_swim.batch import Member
+from porous_swim import theory
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
 from porous_swim.paper.scan import is_held, outgoing_angle, paper_scene, run_changes, thresholds
+from porous_swim.running.batch import Member
 
 NAME = "TotalScattering"
 TITLE = "Outgoing angle at A = 20 against impact parameter (three strengths) and against dipole strength (y0 = 0.1)"

@@ -13,7 +13,7 @@ from typing import Literal
 
 import taichi as ti
 
-from porous_swim.parts import Part
+from porous_swim.core.parts import Part
 
 Shape = Literal["sphere", "flat", "rod", "needle"]
 # Shapes below this aspect ratio, or at colloids below this radius, are needles: more work for the same digits.

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from porous_swim.parts import FARTHEST, KeyedError, Length, Part
+from porous_swim.core.parts import FARTHEST, KeyedError, Length, Part
 
 
 class Encounter(Part):

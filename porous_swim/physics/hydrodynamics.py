@@ -10,7 +10,7 @@ from typing import Literal
 
 import taichi as ti
 
-from porous_swim.parts import Part
+from porous_swim.core.parts import Part
 from porous_swim.physics.surface import Surface, make_surface
 
 

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 import taichi as ti
 from pydantic import Field
 
-from porous_swim.parts import Diffusivity, Part, RotationalDiffusivity
+from porous_swim.core.parts import Diffusivity, Part, RotationalDiffusivity
 from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.physics.philox import philox
 from porous_swim.physics.variates import BITS, cut, gaussian_pair, minus_two_log, split, uniform

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from porous_swim.analysis.lagged import TimeAverages
+from porous_swim.analysis.transport.lagged import TimeAverages
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, panels
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from porous_swim.analysis.diffusion import EffectiveDiffusivity
-from porous_swim.analysis.lagged import TimeAverages
-from porous_swim.analysis.transport import Lagged
+from porous_swim.analysis.transport.diffusion import EffectiveDiffusivity
+from porous_swim.analysis.transport.lagged import TimeAverages
+from porous_swim.analysis.transport.transport import Lagged
 from porous_swim.plots.scales import Scales, label_x, label_y
 from porous_swim.plots.style import THEORY, Shown, legend, panels
 

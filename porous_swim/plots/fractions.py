@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from porous_swim.analysis.columns import column
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import Shown, legend, panels, thinned
-from porous_swim.tables import TableInfo
+from porous_swim.results.tables import TableInfo
 
 
 def draw(shown: list[Shown[pa.Table]], scales: Scales | None) -> Figure:

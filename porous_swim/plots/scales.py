@@ -7,8 +7,8 @@ from typing import Any
 
 from matplotlib.ticker import NullFormatter
 
+from porous_swim.core.scales import Scales, pretty
 from porous_swim.plots.style import TEXT_SIZE
-from porous_swim.scales import Scales, pretty
 
 
 def common(scales: Sequence[Scales | None]) -> Scales | None:

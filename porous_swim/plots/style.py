@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from porous_swim.printing import printable
+from porous_swim.core.console import printable
 
 RUN_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 STATE_COLORS = ("#56b4e9", "#b8a200", "#d55e00")  # free, bound, contact: the recording's, its yellow dark enough here

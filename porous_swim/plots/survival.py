@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
-from porous_swim.analysis.survival import SurvivalCurve
-from porous_swim.analysis.survival_band import survival_band
+from porous_swim.analysis.lifetimes.survival import SurvivalCurve
+from porous_swim.analysis.lifetimes.survival_band import survival_band
 from porous_swim.plots.scales import Scales, label_x
 from porous_swim.plots.style import THEORY, Shown, legend, message, panels, thinned_tail
 

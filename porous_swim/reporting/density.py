@@ -15,7 +15,7 @@ from porous_swim.plots.style import Shown
 from porous_swim.reporting.numbers import both
 from porous_swim.reporting.run import Run, scales_of
 from porous_swim.reporting.section import Section
-from porous_swim.tables import steady_frames
+from porous_swim.results.tables import steady_frames
 
 HEIGHTS = 4.0  # a; escape heights, where they are larger, are doubled
 N_HEIGHTS = 60

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from porous_swim.analysis import Persistence, persistence
-from porous_swim.errors import ResultsError
+from porous_swim.core.errors import ResultsError
 from porous_swim.plots import directors
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.free_walk import director_correlation

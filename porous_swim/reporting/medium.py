@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, radii_of
-from porous_swim.analysis.transport import tracks
+from porous_swim.analysis.transport.transport import tracks
 from porous_swim.plots import ways
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.numbers import both

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from porous_swim.analysis.estimates import NONE, value_and_error
+from porous_swim.core.scales import Scales, pretty
 from porous_swim.reporting.section import Cell, Number
-from porous_swim.scales import Scales, pretty
 
 
 def with_unit(value: float, error: float | None, unit: str) -> str:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from porous_swim.printing import printable
+from porous_swim.core.console import printable
 from porous_swim.reporting.pictures import Picture
 from porous_swim.reporting.section import Cell, Number, Section, Table
 

@@ -13,15 +13,15 @@ import pyarrow as pa
 
 from porous_swim.analysis import hop_table
 from porous_swim.analysis.places import at_wall
-from porous_swim.encounters import MANY
-from porous_swim.errors import SceneError
+from porous_swim.core.errors import SceneError
+from porous_swim.core.parts import unit_vector
 from porous_swim.obstacles.wall import Wall
-from porous_swim.parts import unit_vector
 from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown, named
-from porous_swim.results import Results
-from porous_swim.scene import Scene, load_scene
-from porous_swim.scene_identity import file_hashes, resolved
+from porous_swim.results.encounter_table import MANY
+from porous_swim.results.results import Results
+from porous_swim.scene.identity import file_hashes, resolved
+from porous_swim.scene.scene import Scene, load_scene
 
 _FOR_PEOPLE = ("name", "description", "record")
 _MOST_TOLD = 2  # keys in the name of a run

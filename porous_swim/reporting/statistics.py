@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from porous_swim.core.scales import Scales, pretty
 from porous_swim.reporting.numbers import NONE, both, cell, physical, statistics
 from porous_swim.reporting.run import Run
 from porous_swim.reporting.section import Cell, Number, Section, Table
-from porous_swim.scales import Scales, pretty
 
 _NAMES: dict[tuple[str, ...], str] = {  # where the path in summary.json does not say it in words
     ("residence", "mean"): "mean residence time",

@@ -6,12 +6,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from porous_swim.printing import printable
+from porous_swim.core.console import printable
+from porous_swim.core.scales import pretty
 from porous_swim.reporting.numbers import NONE, physical, statistics, value_and_error
 from porous_swim.reporting.run import Run
 from porous_swim.reporting.statistics import name_of
 from porous_swim.reporting.write import Report
-from porous_swim.scales import pretty
 
 MAIN = (
     ("residence", "mean"),

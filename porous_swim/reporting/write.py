@@ -7,9 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from porous_swim.errors import ResultsError
-from porous_swim.manifest import FIGURES, list_report
-from porous_swim.paths import absolute
+from porous_swim.core.errors import ResultsError
+from porous_swim.core.paths import absolute
 from porous_swim.reporting import (
     density,
     directors,
@@ -29,8 +28,9 @@ from porous_swim.reporting.page import html
 from porous_swim.reporting.pictures import KINDS, write_picture
 from porous_swim.reporting.run import Run, runs_of, scales_of
 from porous_swim.reporting.section import Section
-from porous_swim.results import Results
-from porous_swim.tables import PART
+from porous_swim.results.manifest import FIGURES, list_report
+from porous_swim.results.results import Results
+from porous_swim.results.tables import PART
 
 PAGE = "report.html"
 SECTIONS: tuple[Callable[[Sequence[Run]], Section], ...] = (

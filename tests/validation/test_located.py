@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import porous_swim as ps
-from tests.engines import fingerprint, hexagonal, make_engine, released
+from tests.support.engines import fingerprint, hexagonal, make_engine, released
 from tests.validation.scenes import one_swimmer
 from tests.validation.test_critical_radius import CRITICAL_RADIUS, DIGIT, LISTED
 

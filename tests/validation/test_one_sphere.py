@@ -10,7 +10,7 @@ import pytest
 import porous_swim as ps
 from porous_swim.analysis.columns import column
 from porous_swim.analysis.estimates import Swimmers, ratio_of_sums
-from tests.backward import OneSphere
+from tests.support.backward import OneSphere
 from tests.validation.agreement import Figure, require_agreement
 
 BAND = 0.05  # a, of encounter.contact_band

@@ -18,21 +18,23 @@ D, D_R = 10.0, 25.0  # swimming adds 1/(2 D_r), 0.2 % of D: what colloids make o
 
 
 @pytest.mark.parametrize(
-    ("layout", "share", "ratio"),
+    ("layout", "share", "ratio", "count"),
     [
-        ("square", 0.4, 0.708919),
-        pytest.param("square", 0.2, 0.833163, marks=pytest.mark.slow),
-        pytest.param("hexagonal", 0.2, 0.833332, marks=pytest.mark.slow),
-        pytest.param("hexagonal", 0.4, 0.714075, marks=pytest.mark.slow),
+        ("square", 0.4, 0.708919, 2000),
+        pytest.param("square", 0.2, 0.833163, 8000, marks=pytest.mark.slow),
+        pytest.param("hexagonal", 0.2, 0.833332, 8000, marks=pytest.mark.slow),
+        pytest.param("hexagonal", 0.4, 0.714075, 8000, marks=pytest.mark.slow),
     ],
 )
-def test_passive_swimmers_in_a_lattice_have_its_effective_diffusivity(layout: str, share: float, ratio: float) -> None:
+def test_passive_swimmers_in_a_lattice_have_its_effective_diffusivity(
+    layout: str, share: float, ratio: float, count: int
+) -> None:
     cell = math.pi * CONTACT**2 / share  # area of a disc
     spacing, rows = (math.sqrt(cell), 4) if layout == "square" else (math.sqrt(2.0 * cell / math.sqrt(3.0)), 2)
     results = ps.run(
         ps.Scene.from_mapping(
             {
-                "swimmers": {"count": 2000, "dipole_strength": 0.0},
+                "swimmers": {"count": count, "dipole_strength": 0.0},
                 "hydrodynamics": {"kind": "none"},
                 "obstacles": {
                     "layout": layout, "radius": CONTACT - 1.0, "spacing": spacing, "cells": [4, rows],

@@ -1,0 +1,1 @@
+"""Hops between colloids, and their network."""

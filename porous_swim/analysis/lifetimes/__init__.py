@@ -1,0 +1,1 @@
+"""Censored times: survival, means, fits, comparisons."""

@@ -1,0 +1,1 @@
+"""Displacements, directors and diffusivities."""

@@ -1,0 +1,1 @@
+"""What everything else stands on: errors, models of parts, console, random streams."""

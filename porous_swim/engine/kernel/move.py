@@ -1,0 +1,101 @@
+"""One trial step of a block: drift, noise, contact with the nearest colloid. Straight-line code on wide values."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.kernel.book import make_book
+from porous_swim.engine.kernel.rows import make_wide
+from porous_swim.engine.kernel.state import Event, Int, LaneInt, real_rows
+from porous_swim.physics.rounding import rounded
+from porous_swim.physics.surface import Surface, make_surface
+
+FAR = 1e3  # a
+
+
+@ti.func
+def now(n: ti.template(), rules: ti.template()):
+    """The step of each lane since the start of the run, in two words."""
+    low = ti.cast(n[Int.STEP], ti.u32) + rules.first_low
+    return low, ti.select(low < rules.first_low, ti.u32(1), ti.u32(0)) + rules.first_high
+
+
+@cache
+def make_end(
+    real, dimensions: int, sphere: bool, surface: Surface, integrator: str, mates: bool, flights: bool = False
+):  # fmt: skip
+    """Return `end(f, n, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
+
+    A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
+    and those of lanes that have a 1 in `needs`. `least` is the contact height of the trial above the nearest colloid,
+    or above a mate whose encounter it is.
+    """
+    rows = real_rows(dimensions, located=False)
+    whole, _ = make_wide(dimensions)
+    book = make_book(real, dimensions, surface, integrator, flights)
+
+    @ti.func
+    def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
+        moved = whole(f, rows.trial_x) - whole(f, rows.reference)
+        within = moved.dot(moved) <= f[rows.budget]  # false for a position that is not finite
+        if ti.static(mates):
+            within = within & (needs == 0)
+        n[Int.EVENT] = n[Int.EVENT] | ti.select(on & (not within), int(Event.FINISH), 0)
+        if ti.static(sphere):
+            book(f, n, on & within, rules, least)
+        else:  # within its budget a rod is out of contact with every other colloid
+            own = n[LaneInt.OWN] != 0
+            if ti.static(mates):
+                own = own | (n[LaneInt.MATE_OWN] != 0)
+            book(f, n, on & within, rules, ti.select(own, least, real(-FAR)))
+
+    return end
+
+
+@cache
+def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
+
+    `pair` is that of `pairs.make_pair`; None where there are no mates.
+    """
+    rows = real_rows(dimensions, located=False)
+    whole, put_whole = make_wide(dimensions)
+    mates = pair is not None
+    end = make_end(real, dimensions, sphere, surface, "euler", mates)
+    to = make_surface(real, surface)
+
+    @ti.func
+    def keep_out(x, rest, e, A, gamma):
+        """Project a position that is inside the contact height back on it."""
+        R = to.distance(x)
+        height = contact_height(to.sine(x, e, R), gamma, A)
+        least = A + height
+        push = ti.max(least - R, real(0.0))
+        y = to.along(x, R, push) + rest  # compensated like the step: slow sliding along a large colloid is not lost
+        z = rounded(x + y)
+        return z, y - (z - x), least >= R, push, height
+
+    @ti.func
+    def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
+             rules: ti.template(), n_steps, n_pairs):  # fmt: skip
+        on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
+        x, A = whole(f, rows.x), f[rows.A]
+        law = [f[rows.alpha + k] for k in ti.static(range(4))]
+        low, high = now(n, rules)
+        dx, e = integrate(x, whole(f, rows.e), A, law, rules.dt, swimmer, low, high, rules.key0, rules.key1)
+        y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
+        free = rounded(x + y)
+        x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, f[rows.gamma])
+        f[rows.trial_push] = ti.select(n[LaneInt.OWN] != 0, push, real(0.0))
+        put_whole(f, rows.trial_x, x1)
+        put_whole(f, rows.trial_rest, rest)
+        put_whole(f, rows.trial_e, e)
+        n[LaneInt.TOUCH] = ti.cast(touch, ti.i32)
+        if ti.static(mates):
+            least_own, needs = pair(f, n, n_pairs, least)
+            end(f, n, on, rules, least_own, needs)
+        else:
+            end(f, n, on, rules, least, 0)
+
+    return step

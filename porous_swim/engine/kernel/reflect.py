@@ -1,0 +1,73 @@
+"""One trial step of a block between reflecting walls. Straight-line code on wide values, as in `move`."""
+
+# No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+from functools import cache
+
+import taichi as ti
+
+from porous_swim.engine.kernel.move import make_end, now
+from porous_swim.engine.kernel.rows import make_wide
+from porous_swim.engine.kernel.state import Int, LaneInt, Phase, real_rows
+from porous_swim.physics.bridge import reflection
+from porous_swim.physics.rounding import rounded
+from porous_swim.physics.surface import Surface, make_surface
+
+
+@cache
+def make_reflect(
+    real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair, flights: bool
+):  # fmt: skip
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
+
+    `pair` is that of `pairs.make_pair`; None where there are no mates.
+    """
+    rows = real_rows(dimensions, located=False)
+    whole, put_whole = make_wide(dimensions)
+    mates = pair is not None
+    end = make_end(real, dimensions, sphere, surface, "reflected", mates, flights)
+    to = make_surface(real, surface)
+
+    @ti.func
+    def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):
+        """The length of each lane's step, and the law over it: a free swimmer far from all takes several at once."""
+        law = [f[rows.alpha + k] for k in ti.static(range(4))]
+        if ti.static(not flights):
+            return rules.dt, law
+        flies = (n[LaneInt.PHASE] == int(Phase.FREE)) & (n[LaneInt.AFTER] == 0)
+        far = flies & (to.distance(x) - A >= rules.flight_height)
+        ticks = ti.cast(rules.flight_ticks, real)
+        n[LaneInt.TICKS] = ti.select(far, rules.flight_ticks, 1)
+        root = ti.select(far, ti.sqrt(ticks), real(1.0))
+        return ti.select(far, rules.dt * ticks, rules.dt), [law[0], law[1], law[2] * root, law[3] * root]
+
+    @ti.func
+    def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
+             rules: ti.template(), n_steps, n_pairs):  # fmt: skip
+        on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
+        x, A, gamma = whole(f, rows.x), f[rows.A], f[rows.gamma]
+        dt, law = scaled(f, n, x, A, rules)
+        low, high = now(n, rules)
+        dx, e, gap0, variance, deep, aside = integrate(
+            x, whole(f, rows.e), A, law, gamma, dt, swimmer, low, high, rules.key0, rules.key1
+        )
+        y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
+        free = rounded(x + y)
+        R = to.distance(free)
+        least = contact_height(to.sine(free, e, R), gamma, A)
+        push = reflection(gap0, rounded(R - A - least), variance, deep)
+        z = to.along(free, R, push) + (y - (free - x))
+        x1 = rounded(free + z)
+        put_whole(f, rows.trial_x, x1)
+        put_whole(f, rows.trial_rest, z - (x1 - free))
+        put_whole(f, rows.trial_e, e)
+        f[rows.height_excursion], f[rows.pitch_excursion] = deep, aside
+        counts = (n[LaneInt.OWN] != 0) | (n[LaneInt.PHASE] != int(Phase.BOUND))
+        f[rows.trial_push] = ti.select(counts, push, real(0.0))
+        n[LaneInt.TOUCH] = ti.cast(push > real(0.0), ti.i32)
+        if ti.static(mates):
+            least_own, needs = pair(f, n, n_pairs, least)
+            end(f, n, on, rules, least_own, needs)
+        else:
+            end(f, n, on, rules, least, 0)
+
+    return step

@@ -1,0 +1,1 @@
+"""The recording for Rerun. Nothing else imports it."""

@@ -1,0 +1,1 @@
+"""What a run leaves: tables, summary, folder. Reading needs neither Taichi nor a GPU."""

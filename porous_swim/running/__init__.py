@@ -1,0 +1,1 @@
+"""Runs: a scene goes in, results come out."""

@@ -1,0 +1,1 @@
+"""A scene: from its YAML file to checked numbers."""
