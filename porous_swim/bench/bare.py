@@ -11,20 +11,19 @@ import taichi as ti
 from porous_swim.engine.kernel.rows import make_wide
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.euler import make_euler
-from porous_swim.physics.hydrodynamics import ImageDipole
+from porous_swim.physics.model import Model
 
 ROWS = 6  # position and director
 
 
 @cache
-def make_bare(real, lanes: int):
-    """Compile `advance(state, first, n_steps, ...)`, which moves spheres in space by uniform noise and hard contact.
+def make_bare(model: Model):
+    """Compile `advance(state, first, n_steps, ...)`, which moves spheres by forward Euler steps among spheres.
 
-    `state` is (6, n_swimmers), offsets from the colloid and directors; n_swimmers is a multiple of `lanes`.
+    `state` is (6, n_swimmers), offsets from the colloid and directors; n_swimmers is a multiple of the lanes.
     """
-    move = make_euler(ImageDipole.make_drift(real), real, 3, "uniform")
-    contact_height = HardContact.make_height(real, "sphere")
-    whole, put_whole = make_wide(3)
+    real, lanes, move = model.real, model.lanes, make_euler(model)
+    contact_height, (whole, put_whole) = HardContact.make_height(model), make_wide(model)
     Wide, WideWord = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.u32)
     Law, Reals = ti.types.vector(4, real), ti.types.ndarray(real, ndim=2)
 

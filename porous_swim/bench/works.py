@@ -13,6 +13,8 @@ from porous_swim.bench.timing import Work
 from porous_swim.engine import backend
 from porous_swim.engine.engine import TASK
 from porous_swim.engine.medium import on_device
+from porous_swim.physics.hydrodynamics import ImageDipole
+from porous_swim.physics.model import Model
 from porous_swim.running.simulation import Simulation
 from porous_swim.scene.scene import Scene
 
@@ -25,7 +27,8 @@ class Bare:
     def __init__(self, n_swimmers: int, precision: str, lanes: int) -> None:
         backend.ensure("cpu", 1)
         job, real = OneColloid(), {"f32": ti.f32, "f64": ti.f64}[precision]
-        self._advance, self._stride = make_bare(real, lanes), max(1, TASK // min(4, n_swimmers // lanes))
+        self._advance = make_bare(Model(real, flows=(ImageDipole,), variates="uniform", lanes=lanes))
+        self._stride = max(1, TASK // min(4, n_swimmers // lanes))
         self._state = on_device(job.start(n_swimmers, precision))
         self._numbers = job.radius, ti.Vector(job.law.tolist()), TIME_STEP, job.seed
         self._step, self._lanes = 0, lanes

@@ -12,10 +12,10 @@ from taichi.lang.util import to_numpy_type
 from porous_swim.core.errors import DeviceError, RunError
 from porous_swim.engine.backend import Backend, check_alive, whole_vectors
 from porous_swim.engine.encounter_log import Records
-from porous_swim.engine.kernel.advance import Structure, make_advance
+from porous_swim.engine.kernel.advance import make_advance
 from porous_swim.engine.kernel.log import N_LOG_INTS, Log, LogLong, log_columns
 from porous_swim.engine.kernel.settle import MAX_IMAGE
-from porous_swim.engine.kernel.state import Event, Int, Total, has_mates
+from porous_swim.engine.kernel.state import Event, Int, Total
 from porous_swim.engine.kernel.survey import Survey, make_survey
 from porous_swim.engine.kernel.swimmers import Rules, Swimmers
 from porous_swim.engine.limits import LONGEST_LAUNCH
@@ -27,9 +27,10 @@ from porous_swim.engine.snapshot import HostState, Snapshot
 from porous_swim.engine.transfer import on_host, to_device
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.contact import HardContact, Shape, shape_of
+from porous_swim.physics.contact import shape_of
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
+from porous_swim.physics.model import Model, Variates
 
 LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
@@ -61,7 +62,7 @@ class Engine:
 
     def __init__(
         self, backend: Backend, field: ObstacleField, position: np.ndarray, director: np.ndarray, *,
-        laws: Laws, numbers: Numbers, hydrodynamics: type, variates: str | None, precision: str,
+        laws: Laws, numbers: Numbers, hydrodynamics: type, variates: Variates | None, precision: str,
         integrator: str = "euler",
         law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int | None = None,
         news: bool = False, log_path: Path | None = None,
@@ -87,8 +88,13 @@ class Engine:
         shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
         check_flights(backend, numbers.flight_ticks)
         self._flight_height = flight_height(laws, numbers)
-        self._mates = has_mates(shape, integrator)
-        self._compile(flow, variates, precision, integrator, shape)
+        self._model = Model(
+            {"f32": ti.f32, "f64": ti.f64}[precision], field.dimensions, field.surface, shape, flows=(flow,),
+            variates=variates, integrator=integrator, flights=numbers.flight_ticks > 1, lanes=self.lanes,
+        )  # fmt: skip
+        self._advance = make_advance(self._model)
+        table = tableau() if integrator == "located" else np.zeros((1, 1))
+        self._tableau = on_device(table.astype(self._real))
         cells = build_cells(field, reach=numbers.escape_height, threads=backend.threads)
         rounding = float(np.finfo(self._real).eps)
         self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
@@ -151,7 +157,7 @@ class Engine:
 
     def survey(self, *, n_levels: int) -> Survey:
         """What is summed over all swimmers, with the present for its origin: see `survey`."""
-        kernel = make_survey(*self._survey_parts)
+        kernel = make_survey(self._model)
         band = max(self._numbers.contact_band, self.tolerance)
         return Survey(
             self._swimmers, self._medium, kernel, dimensions=self._field.dimensions, real=self._real, band=band,
@@ -184,24 +190,17 @@ class Engine:
             least[rows] = height_at_sine(sine[rows], radius[rows], aspect_ratio=float(ratio))
         return height <= least + max(self._numbers.contact_band, self.tolerance)
 
-    def _compile(
-        self, hydrodynamics: type, variates: str | None, precision: str, integrator: str, shape: Shape
-    ) -> None:
-        real = {"f32": ti.f32, "f64": ti.f64}[precision]
-        field = self._field
-        structure = Structure(
-            hydrodynamics, variates, shape, field.dimensions, real, self.lanes, integrator, field.surface,
-            self._numbers.flight_ticks > 1,
-        )  # fmt: skip
-        self._advance = make_advance(structure)
-        self._survey_parts = real, field.dimensions, HardContact.make_height(real, shape), field.surface
-        table = tableau() if integrator == "located" else np.zeros((1, 1))
-        self._tableau = on_device(table.astype(self._real))
-
     def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
         n_sets = len(laws.dipole_strength)
         state = HostState.placed(
-            self._field, self._integrator, position, director, law_of, self._real, n_sets=n_sets, mates=self._mates
+            self._field,
+            self._integrator,
+            position,
+            director,
+            law_of,
+            self._real,
+            n_sets=n_sets,
+            mates=self._model.mates,
         )
         law = laws.table(self._numbers.time_step).astype(self._real)
         arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))

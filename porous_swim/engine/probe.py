@@ -10,8 +10,9 @@ from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
 from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
+from porous_swim.physics.drift import make_drift
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
-from porous_swim.physics.surface import Surface
+from porous_swim.physics.model import Model
 from porous_swim.physics.vectors import vec
 
 HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
@@ -19,8 +20,8 @@ PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
 
 
 @cache
-def _drift_kernel(law: type, real: object, surface: Surface):
-    drift = law.make_drift(real, surface)
+def _drift_kernel(model: Model):
+    real, drift = model.real, make_drift(model)
     Vectors, Numbers = ti.types.ndarray(real, ndim=2), ti.types.ndarray(real, ndim=1)
 
     @ti.kernel
@@ -35,8 +36,8 @@ def _drift_kernel(law: type, real: object, surface: Surface):
 
 
 @cache
-def _height_kernel(shape):
-    contact_height = HardContact.make_height(ti.f64, shape)
+def _height_kernel(model: Model):
+    contact_height = HardContact.make_height(model)
     Numbers = ti.types.ndarray(ti.f64, ndim=1)
 
     @ti.kernel
@@ -68,8 +69,9 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
         offset, turned = ((v[rows][:, None] @ axes.mT)[:, 0] for v in (x, e))
         arrays = [on_device(np.array(a, dtype=dtype)) for a in (offset, turned, A[rows])]
         results = [on_device(np.zeros(offset.shape, dtype)) for _ in range(2)]
-        surface: Surface = "plane" if A[rows[0]] == np.inf else "sphere"
-        _drift_kernel(HYDRODYNAMICS[hydrodynamics], real, surface)(*arrays, dipole_strength, bretherton, *results)
+        flows = (HYDRODYNAMICS[hydrodynamics],)
+        model = Model(real, surface="plane" if A[rows[0]] == np.inf else "sphere", flows=flows)
+        _drift_kernel(model)(*arrays, dipole_strength, bretherton, *results)
         velocity[rows], rate[rows] = ((array.to_numpy()[:, None] @ axes)[:, 0] for array in results)
     return velocity, rate
 
@@ -131,6 +133,6 @@ def height_at_sine(sine, radius, *, aspect_ratio):
         sines, radii = s.ravel()[rows], A.ravel()[rows]
         result = on_device(np.zeros(len(rows)))
         shape = shape_of(aspect_ratio, float(radii.min()))
-        _height_kernel(shape)(on_device(sines), on_device(radii), aspect_ratio, result)
+        _height_kernel(Model(ti.f64, shape=shape))(on_device(sines), on_device(radii), aspect_ratio, result)
         height[rows] = result.to_numpy()
     return height.reshape(s.shape)

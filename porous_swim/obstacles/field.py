@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 
 from porous_swim.obstacles.nearest import NearestSphere
-from porous_swim.physics.surface import Surface
+from porous_swim.physics.model import Surface
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from porous_swim.obstacles.cells import FIXED_BITS
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import record, vec
 
 
@@ -28,8 +30,9 @@ TOUCHED = 1.5  # a, beyond all contact heights
 
 
 @cache
-def make_between(real, dimensions: int):
+def make_between(model: Model):
     """Return `between(medium, k, image_k, j, image_j)`: centre of j minus centre of k, exact before its rounding."""
+    real, dimensions = model.real, model.dimensions
 
     @ti.func
     def between(medium: ti.template(), k, image_k, j, image_j):
@@ -44,7 +47,7 @@ def make_between(real, dimensions: int):
 
 
 @cache
-def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Surface):
+def make_search(model: Model):
     """Return a namespace of `run(medium, k, image, y, e, gamma)` and `empty()`, the result of no search.
 
     The swimmer is at offset y from image `image` of colloid k.
@@ -53,7 +56,8 @@ def make_search(real, dimensions: int, contact_height, sphere: bool, surface: Su
     colloid into which the swimmer reaches deepest, with the depth (negative: free). Of a rod also its `mate`, the
     second nearest, and the distance to the third nearest, up to TOUCHED. Distances in a.
     """
-    to = make_surface(real, surface)
+    real, dimensions, sphere = model.real, model.dimensions, model.sphere
+    contact_height, to = HardContact.make_rolled_height(model), make_surface(model)
 
     @ti.func
     def fixed_position(medium: ti.template(), k, y):

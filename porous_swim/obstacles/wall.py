@@ -11,7 +11,7 @@ import numpy as np
 from porous_swim.core.parts import Direction, KeyedError, Part, Point, as_vector, unit_vector
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.surface import Surface
+from porous_swim.physics.model import Surface
 
 _KEY = "obstacles"
 

@@ -14,8 +14,8 @@ from typing import Literal
 import taichi as ti
 
 from porous_swim.core.parts import Part
+from porous_swim.physics.model import Model, Shape
 
-Shape = Literal["sphere", "flat", "rod", "needle"]
 # Shapes below this aspect ratio, or at colloids below this radius, are needles: more work for the same digits.
 ROD_RATIO, ROD_RADIUS = 0.1, 1.0
 THINNEST = 0.01  # aspect ratio down to which a needle's contact height was checked, at radii from 0.05 on
@@ -40,52 +40,69 @@ class HardContact(Part):
 
     @staticmethod
     @cache
-    def make_height(real, shape: Shape, *, rolled: bool = False):
-        """Return `contact_height(s, gamma, A)`: the least height at sine s of the pitch above a sphere of radius A.
-
-        `rolled` is for what is called seldom: a fifth slower, and compiled in half the time.
-        """
-        height_and_slope = HardContact.make_height_and_slope(real, shape, rolled=rolled)
-
-        @ti.func
-        def contact_height(s, gamma, A):
-            h, _ = height_and_slope(s, gamma, A)
-            return h
-
-        return contact_height
+    def make_height(model: Model):
+        """Return `contact_height(s, gamma, A)`: the least height at sine s of the pitch above a sphere of radius A."""
+        return _first(HardContact.make_height_and_slope(model))
 
     @staticmethod
     @cache
-    def make_height_and_slope(real, shape: Shape, *, rolled: bool = False):
+    def make_rolled_height(model: Model):
+        """Return the same for what is called seldom: a fifth slower, and compiled in half the time."""
+        return _first(HardContact.make_rolled_height_and_slope(model))
+
+    @staticmethod
+    @cache
+    def make_height_and_slope(model: Model):
         """Return `height_and_slope(s, gamma, A)`: the least height, and its derivative with respect to s."""
-        if shape == "flat":
-            return make_flat(real)
-        normal = make_normal(real, shape, rolled)
+        return make_flat(model) if model.shape == "flat" else _curved(model, make_normal(model))
 
-        @ti.func
-        def height_and_slope(s, gamma, A):
-            if ti.static(shape == "sphere"):
-                return real(1.0), real(0.0)
-            up = ti.min(ti.max(s, s * real(-1.0)), real(1.0))
-            along = ti.sqrt(real(1.0) - up * up)
-            c, w = normal(up, along, gamma, A)
-            g = gamma * gamma
-            S = ti.sqrt(c * c + g * w * w)
-            turn = (g - real(1.0)) * c * w / S  # S'(p)
-            R = ti.sqrt((S + A) * (S + A) + turn * turn)
-            h = (S * S + turn * turn + real(2.0) * A * S) / (R + A)  # R - A without cancellation
-            # dh/dtheta = -R S'/(A + S), over cos(theta); at the tip w/cos(theta) from the condition of contact
-            tip = c * (A * S + real(1.0)) / ti.max((A * S + g) * up, real(1e-30))
-            ratio = ti.select(up > along, tip, w / ti.max(along, real(1e-30)))
-            sign = ti.select(s < real(0.0), real(-1.0), real(1.0))
-            return h, sign * (R * (real(1.0) - g) * c * ratio / (S * (A + S)))
+    @staticmethod
+    @cache
+    def make_rolled_height_and_slope(model: Model):
+        """Return the same for what is called seldom: see `make_rolled_height`."""
+        return make_flat(model) if model.shape == "flat" else _curved(model, make_rolled_normal(model))
 
-        return height_and_slope
+
+def _first(height_and_slope):
+    """The first of two results."""
+
+    @ti.func
+    def contact_height(s, gamma, A):
+        h, _ = height_and_slope(s, gamma, A)
+        return h
+
+    return contact_height
+
+
+def _curved(model: Model, normal):
+    """Height and slope above a sphere, by the direction of contact."""
+    real = model.real
+
+    @ti.func
+    def height_and_slope(s, gamma, A):
+        if ti.static(model.sphere):
+            return real(1.0), real(0.0)
+        up = ti.min(ti.max(s, s * real(-1.0)), real(1.0))
+        along = ti.sqrt(real(1.0) - up * up)
+        c, w = normal(up, along, gamma, A)
+        g = gamma * gamma
+        S = ti.sqrt(c * c + g * w * w)
+        turn = (g - real(1.0)) * c * w / S  # S'(p)
+        R = ti.sqrt((S + A) * (S + A) + turn * turn)
+        h = (S * S + turn * turn + real(2.0) * A * S) / (R + A)  # R - A without cancellation
+        # dh/dtheta = -R S'/(A + S), over cos(theta); at the tip w/cos(theta) from the condition of contact
+        tip = c * (A * S + real(1.0)) / ti.max((A * S + g) * up, real(1e-30))
+        ratio = ti.select(up > along, tip, w / ti.max(along, real(1e-30)))
+        sign = ti.select(s < real(0.0), real(-1.0), real(1.0))
+        return h, sign * (R * (real(1.0) - g) * c * ratio / (S * (A + S)))
+
+    return height_and_slope
 
 
 @cache
-def make_flat(real):
+def make_flat(model: Model):
     """Return `height_and_slope(s, gamma, A)` at a plane: the support of the spheroid along the normal."""
+    real = model.real
 
     @ti.func
     def height_and_slope(s, gamma, A):
@@ -98,15 +115,14 @@ def make_flat(real):
 
 
 @cache
-def make_normal(real, shape: Shape, rolled: bool):
-    """Return `normal(up, along, gamma, A) -> cos p, sin p`, the direction of contact seen from the swimmer's axis.
+def make_approach(model: Model):
+    """Return `near` and `halley(c, w, up, along, g, A) -> c, w`, steps of two iterations for the direction of contact.
 
-    `up` and `along` are sine and cosine of the pitch's size. The condition of contact, x(p) parallel to the line of
-    centres, reads tan p = along (A S + 1)/(up (A S + gamma^2)): taken as an iteration it comes near from any start,
-    and Halley's method ends it. Directions turn as vectors: no angle is needed. Errors of the height for a rod: 4e-9
-    after two Halley steps, rounding after three; for a needle rounding (largest of 8000 random cases each).
+    The condition of contact, x(p) parallel to the line of centres, reads tan p = along (A S + 1)/(up (A S + gamma^2)):
+    taken as an iteration (`near`) it comes near from any start, and Halley's method ends it. Directions turn as
+    vectors: no angle is needed.
     """
-    n_starts, n_steps = (2, 2 if real == ti.f32 else 3) if shape == "rod" else (12, 10)
+    real = model.real
 
     @ti.func
     def unit(c, w):
@@ -134,20 +150,52 @@ def make_normal(real, shape: Shape, rolled: bool):
         S = ti.sqrt(c * c + g * w * w)
         return unit(up * (A * S + g), along * (A * S + real(1.0)))
 
+    return near, halley
+
+
+def n_approaches(model: Model) -> tuple[int, int]:
+    """Steps of `near` and of `halley` that the shape takes.
+
+    Errors of the height for a rod: 4e-9 after two Halley steps, rounding after three; for a needle rounding (largest of
+    8000 random cases each).
+    """
+    return (2, 2 if model.real == ti.f32 else 3) if model.shape == "rod" else (12, 10)
+
+
+@cache
+def make_normal(model: Model):
+    """Return `normal(up, along, gamma, A) -> cos p, sin p`, the direction of contact seen from the swimmer's axis.
+
+    `up` and `along` are sine and cosine of the pitch's size.
+    """
+    (near, halley), (n_starts, n_steps) = make_approach(model), n_approaches(model)
+
     @ti.func
     def normal(up, along, gamma, A):
         g = gamma * gamma
         c, w = up, along
-        if ti.static(rolled):
-            for _ in range(n_starts):
-                c, w = near(c, w, up, along, g, A)
-            for _ in range(n_steps):
-                c, w = halley(c, w, up, along, g, A)
-        else:
-            for _ in ti.static(range(n_starts)):
-                c, w = near(c, w, up, along, g, A)
-            for _ in ti.static(range(n_steps)):
-                c, w = halley(c, w, up, along, g, A)
+        for _ in ti.static(range(n_starts)):
+            c, w = near(c, w, up, along, g, A)
+        for _ in ti.static(range(n_steps)):
+            c, w = halley(c, w, up, along, g, A)
+        return c, w
+
+    return normal
+
+
+@cache
+def make_rolled_normal(model: Model):
+    """Return the same in loops, which compile fast."""
+    (near, halley), (n_starts, n_steps) = make_approach(model), n_approaches(model)
+
+    @ti.func
+    def normal(up, along, gamma, A):
+        g = gamma * gamma
+        c, w = up, along
+        for _ in range(n_starts):
+            c, w = near(c, w, up, along, g, A)
+        for _ in range(n_steps):
+            c, w = halley(c, w, up, along, g, A)
         return c, w
 
     return normal

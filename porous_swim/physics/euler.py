@@ -5,20 +5,21 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.physics.drift import make_drift
+from porous_swim.physics.model import Model
 from porous_swim.physics.noise import make_kick, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
 
 
 @cache
-def make_euler(drift, real, dimensions: int, variates: str | None):
+def make_euler(model: Model):
     """Return `move(x, e, A, law, dt, swimmer, step_low, step_high, k0, k1) -> displacement, director`.
 
-    `law` holds alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt). Without noise `variates` is None and nothing is drawn.
+    `law` holds alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt). Without noise nothing is drawn.
     """
-    noisy = variates is not None
-    kick = make_kick(real, dimensions, variates)
-    moves, turns = make_shares(dimensions)
-    turn = make_turn(real, dimensions)
+    noisy = model.variates is not None
+    drift, kick, turn = make_drift(model), make_kick(model), make_turn(model)
+    moves, turns = make_shares(model)
 
     @ti.func
     def move(x, e, A, law, dt, swimmer, step_low, step_high, k0, k1):

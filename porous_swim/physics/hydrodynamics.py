@@ -11,18 +11,19 @@ from typing import Literal
 import taichi as ti
 
 from porous_swim.core.parts import Part
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 
 
 @cache
-def make_plane_drift(real):
+def make_plane_drift(model: Model):
     """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at a plane wall, the exact image of the dipole.
 
     The limit of large A of that at a sphere, A being of no concern, and the flow of Blake's images:
     k [(3 q - 1) n + 2 s (e - s n)] and -(k/h) [1 + (Gamma/2)(1 + q)] s (n - s e) with k = 3 alpha/(8 h^2), s = e.n,
     q = s^2 and n the normal.
     """
-    to = make_surface(real, "plane")
+    real, to = model.real, make_surface(model)
 
     @ti.func
     def drift(x, e, A, alpha, Gamma):
@@ -44,8 +45,9 @@ class NoHydrodynamics(Part):
 
     @staticmethod
     @cache
-    def make_drift(real, surface: Surface = "sphere"):
+    def make_drift(model: Model):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate`, both zero here."""
+        real = model.real
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):
@@ -61,14 +63,15 @@ class ImageDipole(Part):
 
     @staticmethod
     @cache
-    def make_drift(real, surface: Surface = "sphere"):
+    def make_drift(model: Model):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
 
         The swimmer's own speed is not in the velocity. One division, no square root, no branch. At a plane wall it is
         that of `make_plane_drift`.
         """
-        if surface == "plane":
-            return make_plane_drift(real)
+        if model.surface == "plane":
+            return make_plane_drift(model)
+        real = model.real
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):
@@ -97,7 +100,7 @@ class NearWall(Part):
 
     @staticmethod
     @cache
-    def make_drift(real, surface: Surface = "sphere"):
+    def make_drift(model: Model):
         """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
 
         The velocity is that at a plane wall. The director's rate makes height and pitch obey, with nothing left out,
@@ -106,8 +109,9 @@ class NearWall(Part):
         the turn of the wall under a swimmer that moves along it; the sphere's own turn, v/(A + h), is taken off. At a
         plane wall, where 1/A = 0, it is the exact drift of `make_plane_drift`.
         """
-        if surface == "plane":
-            return make_plane_drift(real)
+        if model.surface == "plane":
+            return make_plane_drift(model)
+        real = model.real
 
         @ti.func
         def drift(x, e, A, alpha, Gamma):

@@ -10,23 +10,25 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.physics.surface import Surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
 
 FLAT = 0.5773502691896258  # 1/sqrt(3): at this sine the flow has no part along the normal
 N_HALVINGS = {ti.f32: 26, ti.f64: 54}  # of [0, FLAT], to rounding
 
 
 @cache
-def make_lift_off_sine(real, contact_height, sphere: bool, surface: Surface):
+def make_lift_off_sine(model: Model):
     """Return `lift_off_sine(A, alpha, gamma)`, for alpha >= 0: the sine of that pitch, from 0 to 1/sqrt(3).
 
     It is the only root there: the contact height of a rod grows with its pitch, so K falls and dh/dt rises.
     """
+    real, contact_height = model.real, HardContact.make_rolled_height(model)
 
     @ti.func
     def strength(A, alpha, h):
         K = real(0.375) * alpha / (h * h)
-        if ti.static(surface == "sphere"):
+        if ti.static(model.surface == "sphere"):
             R, H = A + h, h * (real(2.0) * A + h)
             K = real(1.5) * alpha * A * R / (H * H)
         return K
@@ -34,7 +36,7 @@ def make_lift_off_sine(real, contact_height, sphere: bool, surface: Surface):
     @ti.func
     def lift_off_sine(A, alpha, gamma):
         s = real(0.0)
-        if ti.static(sphere):
+        if ti.static(model.sphere):
             K = strength(A, alpha, real(1.0))
             s = real(2.0) * K / (real(1.0) + ti.sqrt(real(1.0) + real(12.0) * K * K))  # nothing cancels
         else:

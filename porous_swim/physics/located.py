@@ -14,7 +14,10 @@ import numpy as np
 import taichi as ti
 from scipy.integrate import DOP853
 
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.drift import make_drift
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 
 
 class Mode(IntEnum):
@@ -39,14 +42,15 @@ def tableau() -> np.ndarray:
 
 
 @cache
-def make_motion(drift, real, height_and_slope, surface: Surface):
+def make_motion(model: Model):
     """Return `rate(x, e, A, mate, mate_A, law, gamma, mode) -> velocity, director rate, push, pinch`.
 
     `x` is the offset from a sphere of radius A and x + mate that from one of mate_A. Whatever holds a swimmer, `push`
     is the speed at which the wall has to hold it off, and `pinch` the lesser of the two speeds at which it is drawn
     across the middle between the colloids: either holds while it is positive.
     """
-    to = make_surface(real, surface)
+    real, drift, to = model.real, make_drift(model), make_surface(model)
+    height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
     def beside(x, e, A, law, gamma, held):
@@ -78,15 +82,16 @@ def make_motion(drift, real, height_and_slope, surface: Surface):
 
 
 @cache
-def make_stride(rate, real, dimensions: int, surface: Surface):
+def make_stride(model: Model):
     """Return `stride(table, x, e, other, A, mate, mate_A, law, gamma, mode, tau)`, one step of length tau.
 
     `table` is the tableau. It gives position, director (to be normalised), grip and distance from -`other` summed
     over the step, the grip at its end, and the error in units of the tolerance. Grip is the push, or the pinch of a
     swimmer between two colloids.
     """
+    real, dimensions = model.real, model.dimensions
+    rate, to = make_motion(model), make_surface(model)
     n_rows, grip_row, distance_row = 2 * dimensions + 2, 2 * dimensions, 2 * dimensions + 1
-    to = make_surface(real, surface)
     Stages = ti.types.matrix(N_STAGES + 1, n_rows, real)
 
     @ti.func

@@ -13,6 +13,7 @@ import taichi as ti
 from pydantic import Field
 
 from porous_swim.core.parts import Diffusivity, Part, RotationalDiffusivity
+from porous_swim.physics.model import Model, Variates
 from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.physics.philox import philox
 from porous_swim.physics.variates import BITS, cut, gaussian_pair, minus_two_log, split, uniform
@@ -43,7 +44,7 @@ class Brownian(Part):
     ) = "from_sphere"
     """D_r. `from_sphere` means 3 D/4, that of a sphere of radius a; `from_spheroid` that of a spheroid of the
     swimmers' aspect ratio whose mean D this is (Perrin 1934)."""
-    variates: Literal["gaussian", "uniform"] = "gaussian"
+    variates: Variates = "gaussian"
     """Distribution of a single step's increments: `uniform` is faster and has the same mean and variance."""
 
     def turning(self, aspect_ratio: float, dimensions: int) -> float:
@@ -59,12 +60,13 @@ Noise = NoNoise | Brownian
 
 
 @cache
-def make_kick(real, dimensions: int, variates: str):
+def make_kick(model: Model):
     """Return `kick(swimmer, step_low, step_high, k0, k1)`, a list of independent variates of variance 1.
 
     The first `dimensions` of the 2 `dimensions` are for the position, those from the fourth on for the director. All
     words are u32, and `swimmer` and the two of the step are of one kind: numbers, or wide values.
     """
+    real, dimensions, variates = model.real, model.dimensions, model.variates
 
     @ti.func
     def kick(swimmer, step_low, step_high, k0, k1):
@@ -79,11 +81,12 @@ def make_kick(real, dimensions: int, variates: str):
 
 
 @cache
-def make_draw(real, dimensions: int, variates: str):
+def make_draw(model: Model):
     """Return `draw(swimmer, step_low, step_high, k0, k1) -> variates, excursion, excursion`.
 
     Like `kick`, and twice -2 ln U for the farthest points of the paths within a step: up to 23.6, from 16 bits.
     """
+    real, dimensions, variates = model.real, model.dimensions, model.variates
 
     @ti.func
     def draw(swimmer, step_low, step_high, k0, k1):
@@ -103,8 +106,9 @@ def make_draw(real, dimensions: int, variates: str):
 
 
 @cache
-def make_shares(dimensions: int):
+def make_shares(model: Model):
     """Return `moves(g)` and `turns(g)`: the variates of `kick` or `draw` that are for the position and the director."""
+    dimensions = model.dimensions
 
     @ti.func
     def moves(g: ti.template()):
@@ -118,13 +122,13 @@ def make_shares(dimensions: int):
 
 
 @cache
-def make_turn(real, dimensions: int):
+def make_turn(model: Model):
     """Return `turn(e, w) -> e`, the unit director rotated by the angle w (plane) or the tangential part of w (space).
 
     The rotation is exact to 3e-7 at one radian and to 2e-12 at 0.3, and the result has unit length.
     """
-
-    if dimensions == 2:
+    real = model.real
+    if model.dimensions == 2:
 
         @ti.func
         def tangential(e, w):

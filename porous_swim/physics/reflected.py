@@ -12,16 +12,19 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.physics.bridge import reflection
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.drift import make_drift
+from porous_swim.physics.model import Model
 from porous_swim.physics.noise import make_draw, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import vec
 
 
 @cache
-def make_twist(dimensions: int):
+def make_twist(model: Model):
     """Return `twist(e, rate)`, the rate of a director in the form that `noise.make_turn` takes."""
-    if dimensions == 2:
+    if model.dimensions == 2:
 
         @ti.func
         def twist(e, rate):
@@ -37,18 +40,16 @@ def make_twist(dimensions: int):
 
 
 @cache
-def make_reflected(drift, real, dimensions: int, variates: str, height_and_slope, surface: Surface):
+def make_reflected(model: Model):
     """Return `move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1)`.
 
     `law` holds alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt). It gives the displacement, as if there were no wall, and the
     director; the gap at the start, its variance over the step and its excursion; and the excursion of the pitch.
     """
-    draw = make_draw(real, dimensions, variates)
-    moves, turns = make_shares(dimensions)
-    turn = make_turn(real, dimensions)
-    twist = make_twist(dimensions)
-    to = make_surface(real, surface)
-    n_turns = 2 * dimensions - 3
+    real, n_turns = model.real, 2 * model.dimensions - 3
+    drift, draw, turn, twist = make_drift(model), make_draw(model), make_turn(model), make_twist(model)
+    moves, turns = make_shares(model)
+    height_and_slope, to = HardContact.make_height_and_slope(model), make_surface(model)
 
     @ti.func
     def turned(e, w):

@@ -8,26 +8,30 @@ keeps its digits however far the swimmer slides. Height is distance minus A, wit
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
 from types import SimpleNamespace
-from typing import Literal
 
 import taichi as ti
 
-Surface = Literal["sphere", "plane"]
+from porous_swim.physics.model import Model
+
 NEAREST = 1e-6  # a, the least distance from the centre of a sphere: a free swimmer may stand where it is measured from
 
 
 @cache
-def make_surface(real, surface: Surface) -> SimpleNamespace:
-    """Return the functions of a surface, of an offset x whose distance is R.
+def make_surface(model: Model) -> SimpleNamespace:
+    """Return the functions of the obstacles' surface, of an offset x whose distance is R.
 
     `distance(x)` is R, `normal(x, R)` points into the fluid, `sine(x, v, R)` is the part of v along it, `along(x, R,
     length)` a vector of that length along it, `at(x, R, distance)` the point at a distance on the normal through x,
     `bend(v, R)` the rate at which the normal turns under a motion with speed v along the surface.
     """
-    return _sphere(real) if surface == "sphere" else _plane(real)
+    return make_sphere(model) if model.surface == "sphere" else make_plane(model)
 
 
-def _sphere(real) -> SimpleNamespace:
+@cache
+def make_sphere(model: Model) -> SimpleNamespace:
+    """Return these functions for a sphere."""
+    real = model.real
+
     @ti.func
     def distance(x):
         return ti.sqrt(ti.max(x.dot(x), real(NEAREST**2)))  # all others divide by it
@@ -51,7 +55,11 @@ def _sphere(real) -> SimpleNamespace:
     return SimpleNamespace(distance=distance, normal=normal, sine=sine, along=along, at=along, bend=bend)
 
 
-def _plane(real) -> SimpleNamespace:
+@cache
+def make_plane(model: Model) -> SimpleNamespace:
+    """Return these functions for a plane wall."""
+    real = model.real
+
     @ti.func
     def distance(x):
         return x[x.n - 1]

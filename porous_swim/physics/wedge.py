@@ -14,18 +14,22 @@ from types import SimpleNamespace
 
 import taichi as ti
 
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+
 LONGEST = 1.0  # a, the largest contact height
 N_STEPS = 40  # of Newton's method, at most; it halves what is left at worst, and squares it near the end
 
 
 @cache
-def make_wedge(real, height_and_slope) -> SimpleNamespace:
+def make_wedge(model: Model) -> SimpleNamespace:
     """Return a namespace of functions about two spheres, of radii A and A1, the second at d from the first.
 
     `corner(v, e, d, A, A1, gamma)` is the offset from the first sphere's centre of the point where both contact
     surfaces meet that is nearest to offset v, and whether there is one. `pushes(moved, v, v1)` are the lengths along
     the two normals, at offsets v and v1 from the two centres, that add up to a displacement in their plane.
     """
+    real, height_and_slope = model.real, HardContact.make_rolled_height_and_slope(model)
     exact = 4e-16 if real == ti.f64 else 2e-7
 
     @ti.func

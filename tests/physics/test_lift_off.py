@@ -12,8 +12,9 @@ import taichi as ti
 import porous_swim as ps
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
-from porous_swim.physics.contact import HardContact, shape_of
+from porous_swim.physics.contact import shape_of
 from porous_swim.physics.lift_off import make_lift_off_sine
+from porous_swim.physics.model import Model
 from tests.support.engines import field_of, make_engine
 
 TABLE = json.loads((Path(__file__).parents[1] / "reference" / "contact.json").read_text(encoding="utf-8"))["values"]
@@ -38,7 +39,7 @@ def lift_off_sines(radius, alpha, gamma, *, precision="f64"):
     """Sines (n,) by the engine's function, of rods, needles or spheres as the least gamma and radius ask."""
     real, dtype = REALS[precision]
     shape = shape_of(float(np.min(gamma)), float(np.min(radius)))
-    lift_off_sine = make_lift_off_sine(real, HardContact.make_height(real, shape), shape == "sphere", "sphere")
+    lift_off_sine = make_lift_off_sine(Model(real, shape=shape))
     Numbers = ti.types.ndarray(real, ndim=1)
 
     @ti.kernel

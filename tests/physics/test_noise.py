@@ -5,6 +5,7 @@ import pytest
 import taichi as ti
 
 from porous_swim.engine import backend
+from porous_swim.physics.model import Model
 from porous_swim.physics.noise import make_draw, make_kick, make_turn
 from porous_swim.physics.philox import philox
 from porous_swim.physics.vectors import vec
@@ -46,7 +47,7 @@ N = 1 << 20
 def variates_of(kind: str, *, dimensions=3, seed=5, first=0) -> np.ndarray:
     """(N, 6) variates of N swimmers at one step."""
     backend.ensure("cpu")
-    kick = make_kick(ti.f64, dimensions, kind)
+    kick = make_kick(Model(ti.f64, dimensions, variates=kind))
 
     @ti.kernel
     def draw(low: ti.u32, key: ti.u32, out: ti.types.ndarray(ti.f64, 2)):
@@ -95,7 +96,7 @@ def test_gaussian_tails_are_served_to_five_and_a_half():
 def draws_of(kind: str, *, seed=5, first=0) -> np.ndarray:
     """(N, 8) variates of N swimmers at one step between reflecting walls: six, and two excursions."""
     backend.ensure("cpu")
-    draw_one = make_draw(ti.f64, 3, kind)
+    draw_one = make_draw(Model(ti.f64, variates=kind))
 
     @ti.kernel
     def draw(low: ti.u32, key: ti.u32, out: ti.types.ndarray(ti.f64, 2)):
@@ -134,7 +135,7 @@ def test_a_step_between_reflecting_walls_draws_six_variates_and_two_excursions_o
 @pytest.mark.parametrize(("real", "tolerance"), [(ti.f32, 2e-7), (ti.f64, 3e-12)])
 def test_the_director_turns_by_the_angle_drawn(dimensions, real, tolerance):
     backend.ensure("cpu")
-    turn = make_turn(real, dimensions)
+    turn = make_turn(Model(real, dimensions))
     size = 2 * dimensions - 3
     e0 = np.array([0.6, 0.8] if dimensions == 2 else [0.48, 0.6, 0.64])
     w = np.array([0.3]) if dimensions == 2 else np.array([0.1, -0.2, 0.15])

@@ -1,9 +1,7 @@
 """The kernel: blocks of lanes that run until something happens, and a scalar pass that deals with it."""
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import taichi as ti
 
@@ -12,9 +10,9 @@ from porous_swim.engine.kernel.encounters import make_encounters, make_orient, m
 from porous_swim.engine.kernel.locate import LOCATED_BAND, make_locate
 from porous_swim.engine.kernel.log import Log
 from porous_swim.engine.kernel.move import make_step
-from porous_swim.engine.kernel.pairs import make_pair, make_swap
+from porous_swim.engine.kernel.pairs import make_swap
 from porous_swim.engine.kernel.reflect import make_reflect
-from porous_swim.engine.kernel.rows import make_vectors, make_wide
+from porous_swim.engine.kernel.rows import get_image, make_vectors, make_wide, rows_of
 from porous_swim.engine.kernel.settle import make_settle
 from porous_swim.engine.kernel.state import (
     N_LANE_INTS,
@@ -26,69 +24,29 @@ from porous_swim.engine.kernel.state import (
     Long,
     Total,
     clock_of_events,
-    has_mates,
-    real_rows,
 )
 from porous_swim.engine.kernel.swimmers import Rules, Swimmers, put_image, set_of
 from porous_swim.obstacles.search import Medium
-from porous_swim.physics.contact import HardContact, Shape
-from porous_swim.physics.euler import make_euler
-from porous_swim.physics.located import make_motion
-from porous_swim.physics.reflected import make_reflected
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 
 
-@dataclass(frozen=True)
-class Structure:
-    """What is compiled in; all numbers stay kernel arguments, so that a sweep compiles once."""
-
-    hydrodynamics: type
-    variates: str | None  # "gaussian", "uniform"; None without noise
-    shape: Shape  # of the swimmers, as their contact needs it
-    dimensions: int
-    real: Any  # ti.f32 or ti.f64
-    lanes: int
-    integrator: str = "euler"  # or "located", "reflected"
-    surface: Surface = "sphere"  # of the obstacles
-    flights: bool = False  # whether steps grow far from every colloid
-
-    @property
-    def mates(self) -> bool:
-        """Whether lanes know a second colloid."""
-        return has_mates(self.shape, self.integrator)
-
-
-@cache
-def make_mover(structure: Structure):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the structure's integrator.
+def make_mover(model: Model):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the model's integrator.
 
     `swimmer` holds the number of the swimmer in each lane; `n_pairs` is 0 where none of them has a mate.
     """
-    real, dimensions = structure.real, structure.dimensions
-    drift = structure.hydrodynamics.make_drift(real, structure.surface)
-    contact_height = HardContact.make_height(real, structure.shape)
-    height_and_slope = HardContact.make_height_and_slope(real, structure.shape)
-    sphere, surface = structure.shape == "sphere", structure.surface
-    if structure.integrator == "located":
-        rate = make_motion(drift, real, height_and_slope, surface)
-        return make_locate(real, dimensions, rate, height_and_slope, contact_height, sphere, surface)
-    seldom = HardContact.make_height_and_slope(real, structure.shape, rolled=True)
-    pair = make_pair(real, dimensions, seldom) if structure.mates else None
-    if structure.integrator == "reflected":
-        integrate = make_reflected(drift, real, dimensions, structure.variates, height_and_slope, surface)
-        return make_reflect(real, dimensions, integrate, contact_height, sphere, surface, pair, structure.flights)
-    integrate = make_euler(drift, real, dimensions, structure.variates)
-    return make_step(real, dimensions, integrate, contact_height, sphere, surface, pair)
+    return {"euler": make_step, "reflected": make_reflect, "located": make_locate}[model.integrator](model)
 
 
 @cache
-def make_lanes(real, dimensions: int, threshold, integrator: str, mates: bool, flights: bool):
+def make_lanes(model: Model):
     """Return `load` and `store`, between memory and lane j of a block."""
-    located, middle = integrator == "located", clock_of_events(integrator)
-    rows = real_rows(dimensions, located=located)
-    recall = make_recall(located)
-    get_image, _ = make_vectors(3)
-    _, sync = make_swap(dimensions)
+    real, located, mates, flights = model.real, model.located, model.mates, model.flights
+    rows, middle = rows_of(model), clock_of_events(model.integrator)
+    threshold, recall = make_threshold(model), make_recall(model)
+    _, sync = make_swap(model)
 
     @ti.func
     def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
@@ -139,26 +97,13 @@ def make_lanes(real, dimensions: int, threshold, integrator: str, mates: bool, f
 
 
 @cache
-def make_advance(structure: Structure):
+def make_advance(model: Model):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
-    real, dimensions, lanes = structure.real, structure.dimensions, structure.lanes
-    contact_height = HardContact.make_height(real, structure.shape, rolled=True)
-    located, surface = structure.integrator == "located", structure.surface
-    rows = real_rows(dimensions, located=located)
-    step = make_mover(structure)
-    sphere, integrator = structure.shape == "sphere", structure.integrator
-    book = make_book(real, dimensions, surface, integrator, structure.flights)
-    whole, _ = make_wide(dimensions)
-    get, put = make_vectors(dimensions)
-    height_and_slope = HardContact.make_height_and_slope(real, structure.shape, rolled=True)
-    mates = structure.mates
-    settle = make_settle(real, dimensions, height_and_slope, contact_height, sphere, surface, integrator, mates)
-    orient = make_orient(real, dimensions, located, mates)
-    encounters = make_encounters(real, dimensions, contact_height, sphere, surface, integrator, mates)
-    to = make_surface(real, surface)
-    threshold = make_threshold(real, contact_height, sphere, surface)
-    load, store = make_lanes(real, dimensions, threshold, integrator, mates, structure.flights)
-    swap, sync = make_swap(dimensions)
+    real, lanes, located, mates = model.real, model.lanes, model.located, model.mates
+    rows, (whole, _), (get, put) = rows_of(model), make_wide(model), make_vectors(model)
+    step, book, settle, orient = make_mover(model), make_book(model), make_settle(model), make_orient(model)
+    encounters, contact_height, to = make_encounters(model), HardContact.make_rolled_height(model), make_surface(model)
+    (load, store), (swap, sync) = make_lanes(model), make_swap(model)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))

@@ -9,11 +9,12 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.rows import make_wide
-from porous_swim.engine.kernel.state import MIDDLE, Event, Int, LaneInt, Phase, real_rows
+from porous_swim.engine.kernel.rows import make_wide, rows_of
+from porous_swim.engine.kernel.state import MIDDLE, Event, Int, LaneInt, Phase
 from porous_swim.physics.bridge import crosses
+from porous_swim.physics.model import Model
 from porous_swim.physics.rounding import rounded
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import pick
 
 TWO_PI = 6.283185307179586
@@ -30,8 +31,9 @@ def add(f: ti.template(), row: ti.template(), on, value):
 
 
 @cache
-def make_turns(real, dimensions: int):
+def make_turns(model: Model):
     """Return `turns(r0, r1, e)`: the winding of a step along the director, and its angle about +z, in turns."""
+    real, dimensions = model.real, model.dimensions
 
     @ti.func
     def turns(r0, r1, e):
@@ -51,9 +53,9 @@ def make_turns(real, dimensions: int):
 
 
 @cache
-def make_swept(real, dimensions: int):
+def make_swept(model: Model):
     """Return `swept(r0, r1, e)`: like `turns`, for a smooth path: the winding is the angle swept, exactly."""
-    turns = make_turns(real, dimensions)
+    real, turns = model.real, make_turns(model)
 
     @ti.func
     def swept(r0, r1, e):
@@ -66,8 +68,9 @@ def make_swept(real, dimensions: int):
 
 
 @cache
-def make_unwound(real):
+def make_unwound(model: Model):
     """Return `unwound(r0, r1, e)` in place of `turns` at a plane wall, around which nobody winds."""
+    real = model.real
 
     @ti.func
     def unwound(r0, r1, e):
@@ -76,20 +79,24 @@ def make_unwound(real):
     return unwound
 
 
+def make_winding(model: Model):
+    """Return `turns` as the model needs it."""
+    if model.surface == "plane":
+        return make_unwound(model)
+    return make_swept(model) if model.located else make_turns(model)
+
+
 @cache
-def make_book(real, dimensions: int, surface: Surface, integrator: str, flights: bool = False):
+def make_book(model: Model):
     """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
     of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
     """
-    located, reflected = integrator == "located", integrator == "reflected"
-    rows = real_rows(dimensions, located=located)
-    whole, put_whole = make_wide(dimensions)
-    turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
-    if surface == "plane":
-        turns = make_unwound(real)
-    to = make_surface(real, surface)
+    real, dimensions, located, reflected = model.real, model.dimensions, model.located, model.reflected
+    rows, flights = rows_of(model), model.flights
+    whole, put_whole = make_wide(model)
+    turns, to = make_winding(model), make_surface(model)
 
     @ti.func
     def tick(f: ti.template(), n: ti.template(), on, rules: ti.template()):

@@ -6,12 +6,14 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.log import make_log
-from porous_swim.engine.kernel.rows import make_vectors
-from porous_swim.engine.kernel.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
+from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
+from porous_swim.engine.kernel.state import Event, Int, LaneInt, Law, Long, Phase, Total
 from porous_swim.engine.kernel.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
 from porous_swim.obstacles.search import make_between
+from porous_swim.physics.contact import HardContact
 from porous_swim.physics.lift_off import make_lift_off_sine
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import pick, vec
 
 
@@ -30,9 +32,9 @@ def put_touched(n: ti.template(), j, i, swimmers: ti.template(), k, image):
 
 
 @cache
-def make_recall(located: bool):
+def make_recall(model: Model):
     """Return `recall(n, j, i, swimmers)`, which tells the lane what swimmer i has struck."""
-    _, put = make_vectors(3)
+    located = model.located
 
     @ti.func
     def recall(n: ti.template(), j, i, swimmers: ti.template()):
@@ -43,21 +45,20 @@ def make_recall(located: bool):
             k = swimmers.int[int(Int.TOUCHED), i]
             image = unpacked(swimmers.int[int(Int.TOUCHED_IMAGE), i], base_image(n, j, i, swimmers))
         n[LaneInt.STRUCK][j] = k
-        put(n, LaneInt.STRUCK_IMAGE, j, image)
+        put_lane_image(n, LaneInt.STRUCK_IMAGE, j, image)
 
     return recall
 
 
 @cache
-def make_orient(real, dimensions: int, located: bool, mates: bool):
+def make_orient(model: Model):
     """Return `orient(f, n, j, i, swimmers, medium)`.
 
     It makes the lane's relations between its nearest colloid, its mate and the colloid of its encounter.
     """
-    rows = real_rows(dimensions, located=located)
-    _, put = make_vectors(dimensions)
-    get_image, _ = make_vectors(3)
-    between = make_between(real, dimensions)
+    real, located, mates, rows = model.real, model.located, model.mates, rows_of(model)
+    _, put = make_vectors(model)
+    between = make_between(model)
 
     @ti.func
     def orient(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
@@ -94,9 +95,9 @@ def make_orient(real, dimensions: int, located: bool, mates: bool):
 
 
 @cache
-def make_threshold(real, contact_height, sphere: bool, surface: Surface):
+def make_threshold(model: Model):
     """Return `threshold(swimmers, medium, i, k, alpha, gamma)`: the sine of swimmer i's escape pitch at colloid k."""
-    lift_off_sine = make_lift_off_sine(real, contact_height, sphere, surface)
+    real, lift_off_sine = model.real, make_lift_off_sine(model)
 
     @ti.func
     def threshold(swimmers: ti.template(), medium: ti.template(), i, k, alpha, gamma):
@@ -109,17 +110,15 @@ def make_threshold(real, contact_height, sphere: bool, surface: Surface):
 
 
 @cache
-def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str):
+def make_capture(model: Model):
     """Return `capture(f, n, j, i, swimmers, medium, rules, k, image, struck)`, which opens an encounter with colloid k.
 
     `struck` says whether it begins at the wall; it does not in a direct hop.
     """
-    reflected, located = integrator == "reflected", integrator == "located"
-    rows = real_rows(dimensions, located=located)
-    get, _ = make_vectors(dimensions)
-    between = make_between(real, dimensions)
-    threshold_at = make_threshold(real, contact_height, sphere, surface)
-    to = make_surface(real, surface)
+    real, dimensions, reflected, located = model.real, model.dimensions, model.reflected, model.located
+    rows, (get, _) = rows_of(model), make_vectors(model)
+    contact_height, threshold_at = HardContact.make_rolled_height(model), make_threshold(model)
+    between, to = make_between(model), make_surface(model)
 
     @ti.func
     def count(i, swimmers: ti.template(), k, image):
@@ -184,21 +183,15 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
 
 
 @cache
-def make_encounters(
-    real, dimensions: int, contact_height, sphere: bool, surface: Surface, integrator: str, mates: bool
-):  # fmt: skip
+def make_encounters(model: Model):
     """Return `encounters(f, n, j, i, swimmers, medium, log, rules)`, for the events of a step of lane j (swimmer i).
 
     What needs a row of the log stays pending while the log is full.
     """
-    located = integrator == "located"
-    rows = real_rows(dimensions, located=located)
-    get, _ = make_vectors(dimensions)
-    get_image, _ = make_vectors(3)
-    between = make_between(real, dimensions)
-    capture = make_capture(real, dimensions, contact_height, sphere, surface, integrator)
-    to = make_surface(real, surface)
-    log_row = make_log(real, dimensions, integrator)
+    real, located, mates = model.real, model.located, model.mates
+    rows, (get, _) = rows_of(model), make_vectors(model)
+    between, to = make_between(model), make_surface(model)
+    capture, log_row = make_capture(model), make_log(model)
 
     @ti.func
     def within_reach(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), reach):

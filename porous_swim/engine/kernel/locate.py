@@ -7,13 +7,15 @@ import taichi as ti
 
 from porous_swim.engine.kernel.book import make_book
 from porous_swim.engine.kernel.move import FAR
-from porous_swim.engine.kernel.rows import make_vectors
+from porous_swim.engine.kernel.rows import make_vectors, rows_of
 from porous_swim.engine.kernel.settle import BETWEEN
-from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase, real_rows
+from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase
 from porous_swim.engine.kernel.swimmers import image_of, same
 from porous_swim.obstacles.search import make_search
-from porous_swim.physics.located import Mode, make_stride
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.located import Mode, make_motion, make_stride
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import vec
 
 HALVINGS = 50  # of a time step: to its last bit
@@ -24,8 +26,9 @@ AT_WALL = 1e-12  # distance from contact, in distances from the centre, that is 
 
 
 @cache
-def make_get(dimensions: int):
+def make_get(model: Model):
     """Return `get(f, row, j)`, a vector of Taichi: steps of a length of their own are one lane's, and plain numbers."""
+    dimensions = model.dimensions
 
     @ti.func
     def get(f: ti.template(), row: ti.template(), j):
@@ -35,12 +38,11 @@ def make_get(dimensions: int):
 
 
 @cache
-def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface):
+def make_passed(model: Model):
     """Return `switched` and `passed`, which say whether a move has gone beyond an event, and `is_low`."""
-    rows = real_rows(dimensions, located=True)
-    get = make_get(dimensions)
-    search = make_search(real, dimensions, contact_height, sphere, surface)
-    to = make_surface(real, surface)
+    real, dimensions, rows, get = model.real, model.dimensions, rows_of(model), make_get(model)
+    search, to = make_search(model), make_surface(model)
+    height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
     def switched(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), x, e, mode):
@@ -84,14 +86,13 @@ def make_passed(real, dimensions: int, height_and_slope, contact_height, sphere:
 
 
 @cache
-def make_locate(real, dimensions: int, rate, height_and_slope, contact_height, sphere: bool, surface: Surface):
+def make_locate(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
-    rows = real_rows(dimensions, located=True)
-    get, (_, put) = make_get(dimensions), make_vectors(dimensions)
-    stride = make_stride(rate, real, dimensions, surface)
-    book = make_book(real, dimensions, surface, "located")
-    switched, passed, is_low = make_passed(real, dimensions, height_and_slope, contact_height, sphere, surface)
-    to = make_surface(real, surface)
+    real, sphere, rows = model.real, model.sphere, rows_of(model)
+    get, (_, put) = make_get(model), make_vectors(model)
+    rate, stride, book = make_motion(model), make_stride(model), make_book(model)
+    switched, passed, is_low = make_passed(model)
+    height_and_slope, to = HardContact.make_height_and_slope(model), make_surface(model)
 
     @ti.func
     def mode_of(f: ti.template(), n: ti.template(), j, x, e, A, mate, law, gamma):

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
-from porous_swim.engine.kernel.rows import make_vectors
-from porous_swim.engine.kernel.state import Int, LaneInt, Long, Total, clock_of_events, real_rows
+from porous_swim.engine.kernel.rows import make_vectors, rows_of
+from porous_swim.engine.kernel.state import Int, LaneInt, Long, Total, clock_of_events
+from porous_swim.physics.model import Model
 
 
 class Log(NamedTuple):
@@ -66,16 +67,17 @@ def log_columns(dimensions: int) -> SimpleNamespace:
 
 
 @cache
-def make_log(real, dimensions: int, integrator: str):
+def make_log(model: Model):
     """Return `log_row(f, n, j, i, swimmers, log, step, late) -> whether there was room`.
 
     `late` writes only the passage of the escape pitch, for an encounter that was logged before.
     """
-    located, middle = integrator == "located", clock_of_events(integrator)
-    rows, columns = real_rows(dimensions, located=located), log_columns(dimensions)
+    real, dimensions, located = model.real, model.dimensions, model.located
+    middle = clock_of_events(model.integrator)
+    rows, columns = rows_of(model), log_columns(dimensions)
     pairs = tuple((getattr(columns, name), getattr(rows, name)) for name in kept(dimensions, located=located))
     clocks = () if located else tuple((getattr(columns, name), int(CLOCKS[name])) for name in CLOCKS)
-    get, _ = make_vectors(dimensions)
+    get, _ = make_vectors(model)
 
     @ti.func
     def write(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), slot, step):

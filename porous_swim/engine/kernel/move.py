@@ -6,10 +6,14 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.book import make_book
-from porous_swim.engine.kernel.rows import make_wide
-from porous_swim.engine.kernel.state import Event, Int, LaneInt, real_rows
+from porous_swim.engine.kernel.pairs import make_pair
+from porous_swim.engine.kernel.rows import make_wide, rows_of
+from porous_swim.engine.kernel.state import Event, Int, LaneInt
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.euler import make_euler
+from porous_swim.physics.model import Model
 from porous_swim.physics.rounding import rounded
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.surface import make_surface
 
 FAR = 1e3  # a
 
@@ -22,18 +26,15 @@ def now(n: ti.template(), rules: ti.template()):
 
 
 @cache
-def make_end(
-    real, dimensions: int, sphere: bool, surface: Surface, integrator: str, mates: bool, flights: bool = False
-):  # fmt: skip
+def make_end(model: Model):
     """Return `end(f, n, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
     and those of lanes that have a 1 in `needs`. `least` is the contact height of the trial above the nearest colloid,
     or above a mate whose encounter it is.
     """
-    rows = real_rows(dimensions, located=False)
-    whole, _ = make_wide(dimensions)
-    book = make_book(real, dimensions, surface, integrator, flights)
+    real, sphere, mates = model.real, model.sphere, model.mates
+    rows, (whole, _), book = rows_of(model), make_wide(model), make_book(model)
 
     @ti.func
     def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
@@ -54,16 +55,12 @@ def make_end(
 
 
 @cache
-def make_step(real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
-
-    `pair` is that of `pairs.make_pair`; None where there are no mates.
-    """
-    rows = real_rows(dimensions, located=False)
-    whole, put_whole = make_wide(dimensions)
-    mates = pair is not None
-    end = make_end(real, dimensions, sphere, surface, "euler", mates)
-    to = make_surface(real, surface)
+def make_step(model: Model):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
+    real, mates, rows = model.real, model.mates, rows_of(model)
+    whole, put_whole = make_wide(model)
+    integrate, pair, end = make_euler(model), make_pair(model), make_end(model)
+    contact_height, to = HardContact.make_height(model), make_surface(model)
 
     @ti.func
     def keep_out(x, rest, e, A, gamma):

@@ -10,9 +10,11 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.rows import make_vectors, make_wide
-from porous_swim.engine.kernel.state import Int, LaneInt, real_rows
+from porous_swim.engine.kernel.rows import make_wide, put_lane_image, rows_of
+from porous_swim.engine.kernel.state import Int, LaneInt
 from porous_swim.engine.kernel.swimmers import image_of, put_image
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import pick
@@ -23,17 +25,16 @@ NEAR = 1e-4  # a, the last of them: what is left is its square over the distance
 
 
 @cache
-def make_pair(real, dimensions: int, height_and_slope):
+def make_pair(model: Model):
     """Return `pair(f, n, n_pairs, least)`, which puts trial moves outside of the mate, too, if any lane has one.
 
     The trial obeys contact with the nearest colloid, `least` is its contact height there. It returns the contact height
     above the colloid of the encounter, where that is one of the two, else `least`; and 1 in the lanes whose trial has
     to be settled. The push of a mate whose encounter it is is added to that of the trial.
     """
-    rows = real_rows(dimensions, located=False)
-    whole, put_whole = make_wide(dimensions)
-    wedge = make_wedge(real, height_and_slope)
-    to = make_surface(real, "sphere")
+    real, rows, (whole, put_whole) = model.real, rows_of(model), make_wide(model)
+    height_and_slope, wedge = HardContact.make_rolled_height_and_slope(model), make_wedge(model)
+    to = make_surface(model)
 
     @ti.func
     def corner(v, e, d, A, A1, gamma):
@@ -94,14 +95,12 @@ def make_pair(real, dimensions: int, height_and_slope):
 
 
 @cache
-def make_swap(dimensions: int):
+def make_swap(model: Model):
     """Return `swap(f, n, n_pairs)` and `sync(n, j, i, swimmers)`.
 
     The first makes the mate of each lane its nearest colloid where it is nearer; the second tells memory.
     """
-    rows = real_rows(dimensions, located=False)
-    whole, put_whole = make_wide(dimensions)
-    _, put_image_of_lane = make_vectors(3)
+    rows, (whole, put_whole) = rows_of(model), make_wide(model)
 
     @ti.func
     def exchange(f: ti.template(), n: ti.template()):
@@ -135,6 +134,6 @@ def make_swap(dimensions: int):
             put_image(swimmers, int(Int.IMAGE), i, image_m)
             put_image(swimmers, int(Int.MATE_IMAGE), i, image)
             n[LaneInt.STRUCK][j], n[LaneInt.SWAPPED][j] = m, 0
-            put_image_of_lane(n, LaneInt.STRUCK_IMAGE, j, image_m)
+            put_lane_image(n, LaneInt.STRUCK_IMAGE, j, image_m)
 
     return swap, sync

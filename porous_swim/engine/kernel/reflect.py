@@ -6,26 +6,24 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.move import make_end, now
-from porous_swim.engine.kernel.rows import make_wide
-from porous_swim.engine.kernel.state import Int, LaneInt, Phase, real_rows
+from porous_swim.engine.kernel.pairs import make_pair
+from porous_swim.engine.kernel.rows import make_wide, rows_of
+from porous_swim.engine.kernel.state import Int, LaneInt, Phase
 from porous_swim.physics.bridge import reflection
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+from porous_swim.physics.reflected import make_reflected
 from porous_swim.physics.rounding import rounded
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.surface import make_surface
 
 
 @cache
-def make_reflect(
-    real, dimensions: int, integrate, contact_height, sphere: bool, surface: Surface, pair, flights: bool
-):  # fmt: skip
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes that do not wait.
-
-    `pair` is that of `pairs.make_pair`; None where there are no mates.
-    """
-    rows = real_rows(dimensions, located=False)
-    whole, put_whole = make_wide(dimensions)
-    mates = pair is not None
-    end = make_end(real, dimensions, sphere, surface, "reflected", mates, flights)
-    to = make_surface(real, surface)
+def make_reflect(model: Model):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
+    real, mates, flights, rows = model.real, model.mates, model.flights, rows_of(model)
+    whole, put_whole = make_wide(model)
+    integrate, pair, end = make_reflected(model), make_pair(model), make_end(model)
+    contact_height, to = HardContact.make_height(model), make_surface(model)
 
     @ti.func
     def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):

@@ -7,7 +7,9 @@ import taichi as ti
 
 from porous_swim.engine.kernel.swimmers import same
 from porous_swim.obstacles.search import make_between, make_search
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import record, vec
 from porous_swim.physics.wedge import make_wedge
 
@@ -16,10 +18,9 @@ MAX_DOUBLINGS = 14  # of the distance, beginning with the tolerance, that furthe
 
 
 @cache
-def make_project(real, height_and_slope, sphere: bool, surface: Surface):
+def make_project(model: Model):
     """Return `on_sphere` and `on_circle`, which put a point on one contact surface or on two at once."""
-    to = make_surface(real, surface)
-    wedge = make_wedge(real, height_and_slope)
+    real, to, wedge = model.real, make_surface(model), make_wedge(model)
 
     @ti.func
     def on_sphere(y, c, radius):
@@ -31,7 +32,7 @@ def make_project(real, height_and_slope, sphere: bool, surface: Surface):
         """The point of both near y; on the first one where they do not meet. `radius` is that of contact at y."""
         d = c1 - c
         z = on_sphere(y, c, radius).variable()
-        if ti.static(sphere):
+        if ti.static(model.sphere):
             rho = d.dot(d)
             a = real(0.5) * (rho + radius * radius - radius1 * radius1) / rho
             v = y - c
@@ -40,7 +41,7 @@ def make_project(real, height_and_slope, sphere: bool, surface: Surface):
             out = across.dot(across)
             if (square > real(0.0)) & (out > real(0.0)):
                 z = c + d * a + across * ti.sqrt(ti.max(square, real(0.0)) / out)
-        elif ti.static(surface == "sphere"):
+        elif ti.static(model.surface == "sphere"):
             v, meets = wedge.corner(y - c, e, d, A, A1, gamma)
             if meets:
                 z = c + v
@@ -50,7 +51,7 @@ def make_project(real, height_and_slope, sphere: bool, surface: Surface):
 
 
 @cache
-def make_resolve(real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface):
+def make_resolve(model: Model):
     """Return `resolve(medium, k, image, y, y_old, e, gamma, tolerance, b, image_b) -> position, found, held`.
 
     `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
@@ -61,11 +62,9 @@ def make_resolve(real, dimensions: int, height_and_slope, contact_height, sphere
     `found` is the result of the search there. `held` names the last two colloids that pushed (-1: none) and tells how
     far each did along its normal, and colloid b, too; and whether the swimmer is `jammed`: no place was found.
     """
-    between = make_between(real, dimensions)
-    search = make_search(real, dimensions, contact_height, sphere, surface)
-    on_sphere, on_circle = make_project(real, height_and_slope, sphere, surface)
-    to = make_surface(real, surface)
-    wedge = make_wedge(real, height_and_slope)
+    real, between, search = model.real, make_between(model), make_search(model)
+    on_sphere, on_circle = make_project(model)
+    contact_height, to, wedge = HardContact.make_rolled_height(model), make_surface(model), make_wedge(model)
 
     @ti.func
     def none():
@@ -109,7 +108,7 @@ def make_resolve(real, dimensions: int, height_and_slope, contact_height, sphere
                     z = on_sphere(y, c, radius + extra)
                 moved, r = z - y, z - c
                 push = to.sine(r, moved, to.distance(r))
-                if ti.static(surface == "sphere"):  # noqa: SIM102 (known while compiling)
+                if ti.static(model.surface == "sphere"):  # noqa: SIM102 (known while compiling)
                     if back & (tries < MAX_PROJECTIONS):
                         push, push_other = wedge.pushes(moved, r, z - c1)
                 book(held, j, image_j, back, push, push_other, b, image_b)

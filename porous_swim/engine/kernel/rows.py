@@ -2,15 +2,37 @@
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
+from types import SimpleNamespace
 
 import taichi as ti
 
+from porous_swim.engine.kernel.state import real_rows
+from porous_swim.physics.model import Model
 from porous_swim.physics.vectors import vec
 
 
+def rows_of(model: Model) -> SimpleNamespace:
+    """Row numbers of the real arrays: see `state.real_rows`."""
+    return real_rows(model.dimensions, located=model.located)
+
+
+@ti.func
+def get_image(n: ti.template(), row: ti.template(), j):
+    """The periodic image in three rows of lane j."""
+    return vec(*[n[row + d][j] for d in ti.static(range(3))])
+
+
+@ti.func
+def put_lane_image(n: ti.template(), row: ti.template(), j, image):
+    """Store a periodic image in three rows of lane j."""
+    for d in ti.static(range(3)):
+        n[row + d][j] = image[d]
+
+
 @cache
-def make_vectors(dimensions: int):
+def make_vectors(model: Model):
     """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of lane j."""
+    dimensions = model.dimensions
 
     @ti.func
     def get(f: ti.template(), row: ti.template(), j):
@@ -25,8 +47,9 @@ def make_vectors(dimensions: int):
 
 
 @cache
-def make_wide(dimensions: int):
+def make_wide(model: Model):
     """Return `whole(f, row)` and `put_whole(f, row, v)` for the vectors of all lanes at once."""
+    dimensions = model.dimensions
 
     @ti.func
     def whole(f: ti.template(), row: ti.template()):

@@ -6,11 +6,11 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.resolve import make_resolve
-from porous_swim.engine.kernel.rows import make_vectors
-from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase, Total, real_rows
+from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
+from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase, Total
 from porous_swim.engine.kernel.swimmers import image_of, put_image, same, touched_image
 from porous_swim.obstacles.search import make_between
-from porous_swim.physics.surface import Surface
+from porous_swim.physics.model import Model
 from porous_swim.physics.vectors import pick
 
 MAX_IMAGE = 2**30
@@ -19,22 +19,16 @@ BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are
 
 
 @cache
-def make_settle(
-    real, dimensions: int, height_and_slope, contact_height, sphere: bool, surface: Surface, integrator: str,
-    mates: bool,
-):  # fmt: skip
+def make_settle(model: Model):
     """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
     is set anew: half of the lead of the nearest surface, so that no other can be nearer within it. A swimmer no
     higher than `band` above contact touches, and so does one that a reflecting wall has pushed on its way.
     """
-    reflected, located = integrator == "reflected", integrator == "located"
-    rows = real_rows(dimensions, located=located)
-    get, put = make_vectors(dimensions)
-    get_image, put_lane_image = make_vectors(3)
-    between = make_between(real, dimensions)
-    resolve = make_resolve(real, dimensions, height_and_slope, contact_height, sphere, surface)
+    real, reflected, located, mates = model.real, model.reflected, model.located, model.mates
+    sphere, rows, (get, put) = model.sphere, rows_of(model), make_vectors(model)
+    between, resolve = make_between(model), make_resolve(model)
 
     @ti.func
     def push_off(f: ti.template(), n: ti.template(), j, k, image, held):

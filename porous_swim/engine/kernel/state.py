@@ -104,11 +104,6 @@ def n_ints(*, located: bool, mates: bool, n_sets: int) -> int:
     return 21 if located else 17 if mates else 13 if n_sets > 1 else 12
 
 
-def has_mates(shape: str, integrator: str) -> bool:
-    """Whether lanes know a second colloid: those of rods, whose contact with it depends on how they stand to it."""
-    return shape in ("rod", "needle") and integrator != "located"
-
-
 def clock_of_events(integrator: str) -> float | None:
     """The clock of everything that happens in a step, but at the start of the run; None where each has its own."""
     return {"euler": 0.0, "reflected": MIDDLE, "located": None}[integrator]

@@ -14,12 +14,15 @@ import numpy as np
 import taichi as ti
 
 from porous_swim.engine.backend import check_alive
-from porous_swim.engine.kernel.state import PHASE_BIT, Int, Law, Phase, real_rows
+from porous_swim.engine.kernel.rows import rows_of
+from porous_swim.engine.kernel.state import PHASE_BIT, Int, Law, Phase
 from porous_swim.engine.kernel.swimmers import Swimmers, image_of, set_of
 from porous_swim.engine.medium import on_device
 from porous_swim.engine.transfer import on_host
 from porous_swim.obstacles.search import Medium, make_between
-from porous_swim.physics.surface import Surface, make_surface
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.model import Model
+from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import vec
 
 FEWEST_GROUPS = 256  # where there are as many swimmers; groups are no larger than LARGEST
@@ -58,14 +61,13 @@ class Groups:
 
 
 @cache
-def make_survey(real, dimensions: int, contact_height, surface: Surface):
+def make_survey(model: Model):
     """Compile `survey(...)`, which sums over groups, level by level; `renew` makes the present the origin of a level.
 
     Levels are bits of `due` and `renew`; sums have a row for each level and group.
     """
-    rows = real_rows(dimensions, located=False)  # the first rows are the same for all
-    between = make_between(real, dimensions)
-    to = make_surface(real, surface)
+    real, dimensions, rows = model.real, model.dimensions, rows_of(model)
+    contact_height, between, to = HardContact.make_height(model), make_between(model), make_surface(model)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row = ti.types.ndarray(real, ndim=1)
 

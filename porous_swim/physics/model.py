@@ -1,0 +1,53 @@
+"""What is compiled into the kernels: the one argument of every `make_*`. All numbers stay arguments of the kernels.
+
+It stands here, below everything that is compiled, as `physics`, `obstacles.search` and `engine.kernel` all take it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Shape = Literal["sphere", "flat", "rod", "needle"]  # of swimmers, as their contact needs it: see `contact.shape_of`
+Surface = Literal["sphere", "plane"]  # of obstacles
+Variates = Literal["gaussian", "uniform"]
+
+
+def has_mates(shape: str, integrator: str) -> bool:
+    """Whether lanes know a second colloid: those of rods, whose contact with it depends on how they stand to it."""
+    return shape in ("rod", "needle") and integrator != "located"
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a kernel is compiled for, and the key under which it is kept: a sweep over numbers compiles once."""
+
+    real: Any  # ti.f32 or ti.f64
+    dimensions: int = 3
+    surface: Surface = "sphere"
+    shape: Shape = "sphere"
+    flows: tuple[type, ...] = ()  # whose sum is the drift
+    variates: Variates | None = None  # None without noise
+    integrator: str = "euler"  # or "reflected", "located"
+    flights: bool = False  # whether steps grow far from every colloid
+    lanes: int = 1  # swimmers to a block
+
+    @property
+    def sphere(self) -> bool:
+        """Whether swimmers are spheres, whose contact height is 1 everywhere."""
+        return self.shape == "sphere"
+
+    @property
+    def located(self) -> bool:
+        """Whether steps end at events; else events fall on whole steps, or into their middle."""
+        return self.integrator == "located"
+
+    @property
+    def reflected(self) -> bool:
+        """Whether walls hold a swimmer, and thresholds are passed, as by a continuous path."""
+        return self.integrator == "reflected"
+
+    @property
+    def mates(self) -> bool:
+        """Whether lanes know a second colloid."""
+        return has_mates(self.shape, self.integrator)
