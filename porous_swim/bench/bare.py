@@ -11,7 +11,9 @@ import taichi as ti
 from porous_swim.engine.kernel.rows import make_wide
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.euler import make_euler
+from porous_swim.physics.law import make_named
 from porous_swim.physics.model import Model
+from porous_swim.physics.noise import counter
 
 ROWS = 6  # position and director
 
@@ -25,21 +27,24 @@ def make_bare(model: Model):
     real, lanes, move = model.real, model.lanes, make_euler(model)
     contact_height, (whole, put_whole) = HardContact.make_height(model), make_wide(model)
     Wide, WideWord = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.u32)
-    Law, Reals = ti.types.vector(4, real), ti.types.ndarray(real, ndim=2)
+    n_numbers, named = len(model.numbers), make_named(model)
+    Numbers, Reals = ti.types.vector(n_numbers, real), ti.types.ndarray(real, ndim=2)
 
     @ti.func
-    def step(f: ti.template(), swimmer, A, law: ti.template(), dt, now, key):
-        wide_now = swimmer * ti.u32(0) + now
-        dx, e = move(whole(f, 0), whole(f, 3), A, law, dt, swimmer, wide_now, swimmer * ti.u32(0), key, ti.u32(0))
+    def step(f: ti.template(), swimmer, A, law, dt, now, key):
+        zero = swimmer * ti.u32(0)
+        dx, e = move(whole(f, 0), whole(f, 3), A, law, dt, counter(swimmer, zero + now, zero, key, ti.u32(0)))
         x = whole(f, 0) + dx
         R = ti.sqrt(x.dot(x))
-        least = A + contact_height(x.dot(e) / R, real(1.0), A)
+        least = A + contact_height(x.dot(e) / R, law.gamma, A)
         put_whole(f, 0, x * ti.max(least / R, real(1.0)))
         put_whole(f, 3, e)
 
     @ti.kernel
-    def advance(state: Reals, first: ti.u32, n_steps: ti.i32, A: real, law: Law, dt: real, key: ti.u32, stride: ti.i32):
-        numbers = [law[k] for k in ti.static(range(4))]
+    def advance(
+        state: Reals, first: ti.u32, n_steps: ti.i32, A: real, numbers: Numbers, dt: real, key: ti.u32, stride: ti.i32
+    ):
+        law = named(*[numbers[k] for k in ti.static(range(n_numbers))])
         for t in range(state.shape[1] // lanes * stride):  # Taichi's tasks are long: a block is `stride` iterations
             if t % stride == 0:
                 begin = t // stride * lanes
@@ -49,7 +54,7 @@ def make_bare(model: Model):
                     for row in ti.static(range(ROWS)):
                         f[row][j] = state[row, begin + j]
                 for n in range(n_steps):
-                    step(f, swimmer, A, numbers, dt, first + ti.cast(n, ti.u32), key)
+                    step(f, swimmer, A, law, dt, first + ti.cast(n, ti.u32), key)
                 for j in range(lanes):
                     for row in ti.static(range(ROWS)):
                         state[row, begin + j] = f[row][j]

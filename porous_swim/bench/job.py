@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from porous_swim.engine.parameters import Laws
+from porous_swim.core.numbers import Given, numbers_of
+from porous_swim.physics.contact import HardContact
+from porous_swim.physics.hydrodynamics import ImageDipole
+from porous_swim.physics.noise import Brownian
 from porous_swim.scene.scene import Scene, load_scene
 from porous_swim.scene.shipped import scenes_folder
 
@@ -26,16 +29,15 @@ class OneColloid:
     seed: int = 1
 
     @property
-    def law(self) -> np.ndarray:
-        """(4,) alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt), with D_r = 3 D/4."""
-        columns = (self.dipole_strength, 1.0, self.diffusion, 0.75 * self.diffusion, 2.0)
-        return Laws(*(np.array([column]) for column in columns)).table(self.time_step)[0, :4]
+    def law(self) -> dict[str, float]:
+        """The numbers of a swimmer by name, with D_r = 3 D/4."""
+        noise = Brownian(translational_diffusion=self.diffusion, variates="uniform")
+        return numbers_of((ImageDipole(), HardContact(), noise), Given(self.dipole_strength, 1.0, 3, self.time_step))
 
     @property
     def rules(self) -> list[float]:
         """The numbers of the reference, in its order."""
-        alpha, bretherton, kick, turn = self.law
-        return [self.time_step, self.radius, alpha, bretherton, kick, turn]
+        return [self.time_step, self.radius, *(self.law[name] for name in ("alpha", "bretherton", "kick", "turn"))]
 
     def start(self, n_swimmers: int, precision: str) -> np.ndarray:
         """(6, n) offsets from the colloid and unit directors."""

@@ -15,6 +15,7 @@ from porous_swim.engine.engine import TASK
 from porous_swim.engine.medium import on_device
 from porous_swim.physics.hydrodynamics import ImageDipole
 from porous_swim.physics.model import Model
+from porous_swim.physics.motility import Steady
 from porous_swim.running.simulation import Simulation
 from porous_swim.scene.scene import Scene
 
@@ -27,10 +28,12 @@ class Bare:
     def __init__(self, n_swimmers: int, precision: str, lanes: int) -> None:
         backend.ensure("cpu", 1)
         job, real = OneColloid(), {"f32": ti.f32, "f64": ti.f64}[precision]
-        self._advance = make_bare(Model(real, flows=(ImageDipole,), variates="uniform", lanes=lanes))
+        self._advance = make_bare(
+            Model(real, flows=(ImageDipole,), motility=Steady, numbers=tuple(job.law), variates="uniform", lanes=lanes)
+        )
         self._stride = max(1, TASK // min(4, n_swimmers // lanes))
         self._state = on_device(job.start(n_swimmers, precision))
-        self._numbers = job.radius, ti.Vector(job.law.tolist()), TIME_STEP, job.seed
+        self._numbers = job.radius, ti.Vector(list(job.law.values())), TIME_STEP, job.seed
         self._step, self._lanes = 0, lanes
 
     def advance(self, n_steps: int) -> None:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, LiteralString, get_args, get_origin
+from typing import Annotated, Any, ClassVar, LiteralString, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from porous_swim.core.errors import SceneError
+from porous_swim.core.numbers import Given
 
 # What a number may be, generously: a swimmer is between some nanometres and a millimetre long, and neither its box nor
 # its way is longer than a metre. Within these bounds no square or fourth power of a length leaves the floating range.
@@ -32,6 +33,12 @@ class Part(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
     )
+    NUMBERS: ClassVar[tuple[str, ...]] = ()
+    """Names of the numbers that the part hands to the kernels, where they are `law.name`."""
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """Return a value for each of `NUMBERS`, in a, U and a/U."""
+        return {}
 
 
 class KeyedError(SceneError):

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import taichi as ti
 from taichi.lang.util import to_numpy_type
 
 from porous_swim.core.errors import DeviceError, RunError
 from porous_swim.engine.backend import Backend, check_alive, whole_vectors
+from porous_swim.engine.dynamics import Dynamics, Tuning
 from porous_swim.engine.encounter_log import Records
 from porous_swim.engine.kernel.advance import make_advance
 from porous_swim.engine.kernel.log import N_LOG_INTS, Log, LogLong, log_columns
@@ -20,17 +20,14 @@ from porous_swim.engine.kernel.survey import Survey, make_survey
 from porous_swim.engine.kernel.swimmers import Rules, Swimmers
 from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.engine.medium import load_medium, on_device
-from porous_swim.engine.parameters import Laws, Numbers, flight_height
+from porous_swim.engine.parameters import Parameters
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.recent_events import News, NewsDesk
 from porous_swim.engine.snapshot import HostState, Snapshot
 from porous_swim.engine.transfer import on_host, to_device
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.contact import shape_of
-from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from porous_swim.physics.located import tableau
-from porous_swim.physics.model import Model, Variates
 
 LANES = {"f32": 32, "f64": 16}  # on a CPU: two of its widest vectors; a thread of a GPU is one lane
 SHARE = 16  # times its lanes: swimmers that a block takes one after the other; fewer where there are few blocks
@@ -62,36 +59,27 @@ class Engine:
 
     def __init__(
         self, backend: Backend, field: ObstacleField, position: np.ndarray, director: np.ndarray, *,
-        laws: Laws, numbers: Numbers, hydrodynamics: type, variates: Variates | None, precision: str,
-        integrator: str = "euler",
-        law_of: np.ndarray | None = None, lanes: int | None = None, chunk: int = CHUNK, log_rows: int | None = None,
-        news: bool = False, log_path: Path | None = None,
+        dynamics: Dynamics, tuning: Tuning = Tuning(), news: bool = False, log_path: Path | None = None,  # noqa: B008
     ) -> None:  # fmt: skip
-        """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3); `law_of` (n,) names rows of `laws`.
+        """Place swimmers at `position` (n, 3), a, with unit `director` (n, 3).
 
         `news` keeps what `news()` tells; many encounters wait in the file `log_path`, without one in memory.
         """
         self.n_swimmers, self.step = len(position), 0
-        self._field, self._numbers, self._chunk = field, numbers, chunk
-        self._real: np.dtype = np.dtype({"f32": np.float32, "f64": np.float64}[precision])
-        self._integrator = integrator
+        numbers, integrator, parameters = dynamics.numbers, dynamics.integrator, dynamics.parameters
+        self._field, self._numbers, self._chunk = field, numbers, tuning.chunk or CHUNK
+        self._real, self._integrator = dynamics.real, integrator
         self._device, self._longest_launch = backend.device, LONGEST_LAUNCH[backend.device]
-        lanes = 1 if integrator == "located" else lanes  # its steps are as long as each swimmer needs
-        self.lanes = lanes or (LANES[precision] if backend.is_cpu else 1)
+        lanes = 1 if integrator == "located" else tuning.lanes  # its steps are as long as each swimmer needs
+        self.lanes = lanes or (LANES[dynamics.precision] if backend.is_cpu else 1)
         group = 1 if backend.is_cpu else GROUP
         n_threads = backend.threads or 1
         most = -(-self.n_swimmers // (self.lanes * BLOCKS * n_threads))
         self._share = self.lanes * max(1, min(SHARE, most)) if backend.is_cpu else 1
         self._n_blocks = -(-self.n_swimmers // (self._share * group)) * group
         self._stride = TASK // max(1, min(4, self._n_blocks // (4 * BLOCKS * n_threads))) if backend.is_cpu else 1
-        flow = hydrodynamics if len(field.radii) else NoHydrodynamics  # nothing reflects
-        shape = shape_of(float(laws.aspect_ratio.min()), float(field.radii.min(initial=np.inf)))
         check_flights(backend, numbers.flight_ticks)
-        self._flight_height = flight_height(laws, numbers)
-        self._model = Model(
-            {"f32": ti.f32, "f64": ti.f64}[precision], field.dimensions, field.surface, shape, flows=(flow,),
-            variates=variates, integrator=integrator, flights=numbers.flight_ticks > 1, lanes=self.lanes,
-        )  # fmt: skip
+        self._model = dynamics.model(field, self.lanes)
         self._advance = make_advance(self._model)
         table = tableau() if integrator == "located" else np.zeros((1, 1))
         self._tableau = on_device(table.astype(self._real))
@@ -100,13 +88,13 @@ class Engine:
         self.tolerance = max(1e-6, 2.0 * rounding * (float(cells.radius.max()) + 1.0))
         self._margin = 4.0 * rounding * cells.longest
         self._medium = load_medium(cells, self._real)
-        law_of = np.zeros(self.n_swimmers, np.int32) if law_of is None else law_of
-        self._load(position, director, laws, law_of)
+        set_of = np.zeros(self.n_swimmers, np.int32) if dynamics.set_of is None else dynamics.set_of
+        self._load(position, director, parameters, set_of)
         columns = log_columns(field.dimensions)
         shapes = ((columns.n_real, self._real), (N_LOG_INTS, np.int32), (len(LogLong), np.int64))
-        self._log_rows = log_rows or max(LOG_ROWS, self.n_swimmers // SWIMMERS_TO_A_ROW)
+        self._log_rows = tuning.log_rows or max(LOG_ROWS, self.n_swimmers // SWIMMERS_TO_A_ROW)
         self._log = Log(*(on_device(np.zeros((self._log_rows, n), t)) for n, t in shapes))
-        self._aspect_ratio = laws.aspect_ratio, law_of
+        self._aspect_ratio = parameters["gamma"], set_of
         in_contact = None if integrator == "located" else self._in_contact  # which integrates
         self._records = Records(field, numbers.time_step, self.n_swimmers, log_path, in_contact=in_contact)
         self._desk = NewsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
@@ -157,7 +145,7 @@ class Engine:
 
     def survey(self, *, n_levels: int) -> Survey:
         """What is summed over all swimmers, with the present for its origin: see `survey`."""
-        kernel = make_survey(self._model)
+        kernel = make_survey(self._model.at_rest)
         band = max(self._numbers.contact_band, self.tolerance)
         return Survey(
             self._swimmers, self._medium, kernel, dimensions=self._field.dimensions, real=self._real, band=band,
@@ -183,27 +171,20 @@ class Engine:
 
     def _in_contact(self, swimmer: np.ndarray, height: np.ndarray, sine: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Which swimmers, (m,) bool, are in the contact band at heights above colloids, sines of the pitch, radii."""
-        ratios, law_of = self._aspect_ratio
-        of_each, least = ratios[law_of[swimmer]], np.ones(len(swimmer))
+        ratios, set_of = self._aspect_ratio
+        of_each, least = ratios[set_of[swimmer]], np.ones(len(swimmer))
         for ratio in np.unique(of_each):
             rows = of_each == ratio
             least[rows] = height_at_sine(sine[rows], radius[rows], aspect_ratio=float(ratio))
         return height <= least + max(self._numbers.contact_band, self.tolerance)
 
-    def _load(self, position: np.ndarray, director: np.ndarray, laws: Laws, law_of: np.ndarray) -> None:
-        n_sets = len(laws.dipole_strength)
+    def _load(self, position: np.ndarray, director: np.ndarray, parameters: Parameters, set_of: np.ndarray) -> None:
         state = HostState.placed(
-            self._field,
-            self._integrator,
-            position,
-            director,
-            law_of,
-            self._real,
-            n_sets=n_sets,
-            mates=self._model.mates,
-        )
-        law = laws.table(self._numbers.time_step).astype(self._real)
-        arrays = (state.real, state.int, state.long, law, np.zeros(len(Total), np.int64))
+            self._field, self._integrator, position, director, set_of, self._real,
+            n_sets=len(parameters), mates=self._model.mates,
+        )  # fmt: skip
+        table = parameters.table.astype(self._real)
+        arrays = (state.real, state.int, state.long, table, np.zeros(len(Total), np.int64))
         self._swimmers = Swimmers(*(on_device(array) for array in arrays))
 
     def _launch(self, n_steps: int) -> None:
@@ -213,7 +194,7 @@ class Engine:
         rules = Rules(
             numbers.time_step, numbers.escape_height, numbers.contact_band, self.tolerance, self._margin,
             first, first & WORD, first >> 32, seed & WORD, seed >> 32,
-            numbers.flight_ticks, self._flight_height, self._tableau,
+            numbers.flight_ticks, numbers.flight_height, self._tableau,
         )  # fmt: skip
         fresh, finished, idle = 1, 0, 0
         while finished < self.n_swimmers:

@@ -1,36 +1,43 @@
 """The engine's own functions on arrays: for tests, for placing swimmers, for curious users."""
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
+import math
 from functools import cache
 
 import numpy as np
 import taichi as ti
 
+from porous_swim.core.numbers import Given
+from porous_swim.core.parts import Part
 from porous_swim.engine import backend
+from porous_swim.engine.dynamics import REALS
 from porous_swim.engine.medium import on_device
 from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
 from porous_swim.physics.drift import make_drift
 from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
-from porous_swim.physics.model import Model
+from porous_swim.physics.law import make_named
+from porous_swim.physics.model import Model, Surface
+from porous_swim.physics.motility import Steady, make_swim
 from porous_swim.physics.vectors import vec
 
 HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
-PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
 
 
 @cache
 def _drift_kernel(model: Model):
-    real, drift = model.real, make_drift(model)
+    real, drift, swim, named = model.real, make_drift(model), make_swim(model), make_named(model)
     Vectors, Numbers = ti.types.ndarray(real, ndim=2), ti.types.ndarray(real, ndim=1)
 
     @ti.kernel
-    def probe(x: Vectors, e: Vectors, A: Numbers, alpha: real, Gamma: real, velocity: Vectors, rate: Vectors):
+    def probe(x: Vectors, e: Vectors, A: Numbers, numbers: Numbers, velocity: Vectors, rate: Vectors):
         for i in range(A.shape[0]):
             r, d = vec(x[i, 0], x[i, 1], x[i, 2]), vec(e[i, 0], e[i, 1], e[i, 2])
-            u, w = drift(r, d, A[i], alpha, Gamma)
+            law = named(*[numbers[k] for k in ti.static(range(len(model.numbers)))])
+            v = swim(d, law)
+            u, w = drift(((r, A[i]),), d, law)
             for k in ti.static(range(3)):
-                velocity[i, k], rate[i, k] = d[k] + u[k], w[k]
+                velocity[i, k], rate[i, k] = v[k] + u[k], w[k]
 
     return probe
 
@@ -50,12 +57,25 @@ def _height_kernel(model: Model):
 
 def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodynamics, precision):
     """Velocity and director rate (n, 3), with the Bretherton constant given; see `drift`."""
+    flow = _flow_of(hydrodynamics)
+    numbers = flow.numbers(Given(dipole_strength, 1.0, 3, math.nan))
+    return _drift(offset, director, radius, flow, numbers | {"bretherton": bretherton}, precision)
+
+
+def _flow_of(hydrodynamics):
+    if isinstance(hydrodynamics, Part):
+        return hydrodynamics
     if hydrodynamics not in HYDRODYNAMICS:
         raise ValueError(f"hydrodynamics: expected one of {', '.join(HYDRODYNAMICS)}, found {hydrodynamics!r}")
-    if precision not in PRECISIONS:
+    return HYDRODYNAMICS[hydrodynamics]()
+
+
+def _drift(offset, director, radius, flow, numbers, precision):
+    """Velocity and director rate (n, 3) of swimmers with these numbers, by name."""
+    if precision not in REALS:
         raise ValueError(f"precision: expected f32 or f64, found {precision!r}")
     backend.ensure_any()
-    real, dtype = PRECISIONS[precision]
+    real, dtype = REALS[precision]
     x, e = (np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (offset, director))
     x, e = np.broadcast_arrays(x, e)
     if x.ndim != 2 or x.shape[1] != 3:
@@ -69,9 +89,9 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
         offset, turned = ((v[rows][:, None] @ axes.mT)[:, 0] for v in (x, e))
         arrays = [on_device(np.array(a, dtype=dtype)) for a in (offset, turned, A[rows])]
         results = [on_device(np.zeros(offset.shape, dtype)) for _ in range(2)]
-        flows = (HYDRODYNAMICS[hydrodynamics],)
-        model = Model(real, surface="plane" if A[rows[0]] == np.inf else "sphere", flows=flows)
-        _drift_kernel(model)(*arrays, dipole_strength, bretherton, *results)
+        surface: Surface = "plane" if A[rows[0]] == np.inf else "sphere"
+        model = Model(real, surface=surface, flows=(type(flow),), motility=Steady, numbers=tuple(numbers))
+        _drift_kernel(model)(*arrays, on_device(np.array(list(numbers.values()), dtype)), *results)
         velocity[rows], rate[rows] = ((array.to_numpy()[:, None] @ axes)[:, 0] for array in results)
     return velocity, rate
 
@@ -99,17 +119,15 @@ def drift(
         radius: of the sphere, a; a number or (n,); infinite for a plane wall, exactly.
         dipole_strength: alpha.
         aspect_ratio: gamma in (0, 1].
-        hydrodynamics: `image_dipole`, `near_wall` or `none`.
+        hydrodynamics: `image_dipole`, `near_wall` or `none`; or a flow, as a part of a scene.
         precision: `f64` or `f32`.
 
     Returns:
         velocity (n, 3) in U and director rate (n, 3) in U/a. Source: Soft Matter 11, 3396 (2015), App. B.
     """
-    squared = aspect_ratio * aspect_ratio
-    return drift_of(
-        offset, director, radius, dipole_strength=dipole_strength, bretherton=(1.0 - squared) / (1.0 + squared),
-        hydrodynamics=hydrodynamics, precision=precision,
-    )  # fmt: skip
+    flow = _flow_of(hydrodynamics)
+    numbers = flow.numbers(Given(dipole_strength, aspect_ratio, 3, math.nan))
+    return _drift(offset, director, radius, flow, numbers, precision)
 
 
 def contact_height(pitch, *, radius, aspect_ratio=1.0):

@@ -42,7 +42,7 @@ class HostState:
 
     @classmethod
     def placed(
-        cls, field: ObstacleField, integrator: str, position: np.ndarray, director: np.ndarray, law_of: np.ndarray,
+        cls, field: ObstacleField, integrator: str, position: np.ndarray, director: np.ndarray, set_of: np.ndarray,
         real: np.dtype, *, n_sets: int, mates: bool,
     ) -> HostState:  # fmt: skip
         """Swimmers at absolute `position` (n, 3) with unit `director` (n, 3), free, and waiting to be located."""
@@ -59,7 +59,7 @@ class HostState:
         state.int[Int.COLLOID], state.int[Int.IMAGE : Int.IMAGE + 3] = np.maximum(colloid, 0), image.T
         state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.EVENT] = -1, -1, int(Event.LOCATE)
         if n_sets > 1:
-            state.int[Int.SET] = law_of
+            state.int[Int.SET] = set_of
         if located or mates:
             state.int[Int.MATE] = -1
         offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE))

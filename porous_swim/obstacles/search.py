@@ -47,6 +47,60 @@ def make_between(model: Model):
 
 
 @cache
+def make_fixed(model: Model):
+    """Return `fixed_position(medium, k, y)`, the place at offset y from colloid k, and whether a cell covers it.
+
+    In units of the fixed point, seen from the box of that image of the colloid.
+    """
+    real, dimensions = model.real, model.dimensions
+
+    @ti.func
+    def fixed_position(medium: ti.template(), k, y):
+        p = vec(ti.i64(0), ti.i64(0), ti.i64(0))
+        covered = 1
+        for d in ti.static(range(dimensions)):
+            n = y[d] * medium.scale[1, d]
+            far = ti.abs(n) > real(2.0**60)
+            p[d] = medium.center[k, d] + ti.cast(ti.select(far, real(0.0), n), ti.i64)
+            beyond = (medium.grid[3 + d] == 0) & ((p[d] >> ti.i64(FIXED_BITS)) != 0)
+            covered = ti.select(far | beyond, 0, covered)
+        return p, covered
+
+    return fixed_position
+
+
+@cache
+def make_note(model: Model):
+    """Return `note(found, j, origin, shift, distance, height)`, which takes colloid j into the result of a search.
+
+    Its image is origin + shift, its surface at `distance`; `height` is the contact height there of what is no sphere.
+    """
+
+    @ti.func
+    def note(found, j, origin, shift, distance, height):
+        if ti.static(not model.sphere):
+            if distance < found.first:
+                found.third = ti.min(found.third, found.second)
+                found.mate, found.mate_image = found.near, found.image
+            elif distance < found.second:
+                found.third = ti.min(found.third, found.second)
+                found.mate, found.mate_image = j, origin + shift
+            else:
+                found.third = ti.min(found.third, distance)
+        if distance < found.first:
+            found.second, found.first = found.first, distance
+            found.near, found.image = j, origin + shift
+        elif distance < found.second:
+            found.second = distance
+        if ti.static(not model.sphere):
+            depth = height - distance
+            if depth > found.depth:
+                found.deep, found.deep_image, found.depth = j, origin + shift, depth
+
+    return note
+
+
+@cache
 def make_search(model: Model):
     """Return a namespace of `run(medium, k, image, y, e, gamma)` and `empty()`, the result of no search.
 
@@ -58,19 +112,7 @@ def make_search(model: Model):
     """
     real, dimensions, sphere = model.real, model.dimensions, model.sphere
     contact_height, to = HardContact.make_rolled_height(model), make_surface(model)
-
-    @ti.func
-    def fixed_position(medium: ti.template(), k, y):
-        """Position in units of the fixed point, seen from the box of that image; and whether a cell covers it."""
-        p = vec(ti.i64(0), ti.i64(0), ti.i64(0))
-        covered = 1
-        for d in ti.static(range(dimensions)):
-            n = y[d] * medium.scale[1, d]
-            far = ti.abs(n) > real(2.0**60)
-            p[d] = medium.center[k, d] + ti.cast(ti.select(far, real(0.0), n), ti.i64)
-            beyond = (medium.grid[3 + d] == 0) & ((p[d] >> ti.i64(FIXED_BITS)) != 0)
-            covered = ti.select(far | beyond, 0, covered)
-        return p, covered
+    fixed_position, note = make_fixed(model), make_note(model)
 
     @ti.func
     def empty():
@@ -95,7 +137,7 @@ def make_search(model: Model):
         # outside of what the cells cover every colloid is a candidate
         begin = ti.select(covered != 0, medium.first[cell], 0)
         end = ti.select(covered != 0, medium.first[cell + 1], medium.grid[6])
-        found = empty()
+        found, origin = empty(), image + box
         m = begin
         while m < end:
             j, packed = m, 0x808080
@@ -112,24 +154,10 @@ def make_search(model: Model):
                     v[d] = y[d] + ti.cast(medium.center[k, d] - medium.center[j, d], real) * medium.scale[0, d]
             R = to.distance(v)
             distance = R - medium.radius[j]
+            height = real(1.0)
             if ti.static(not sphere):
-                if distance < found.first:
-                    found.third = ti.min(found.third, found.second)
-                    found.mate, found.mate_image = found.near, found.image
-                elif distance < found.second:
-                    found.third = ti.min(found.third, found.second)
-                    found.mate, found.mate_image = j, image + box + shift
-                else:
-                    found.third = ti.min(found.third, distance)
-            if distance < found.first:
-                found.second, found.first = found.first, distance
-                found.near, found.image = j, image + box + shift
-            elif distance < found.second:
-                found.second = distance
-            if ti.static(not sphere):
-                depth = contact_height(to.sine(v, e, R), gamma, medium.radius[j]) - distance
-                if depth > found.depth:
-                    found.deep, found.deep_image, found.depth = j, image + box + shift, depth
+                height = contact_height(to.sine(v, e, R), gamma, medium.radius[j])
+            note(found, j, origin, shift, distance, height)
             m += 1
             # nobody further down the list of a cell is second nearest, nor touched: contact heights are at most 1
             rest = medium.least[ti.min(m, end - 1)] > ti.max(found.second, real(TOUCHED))

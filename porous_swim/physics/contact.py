@@ -9,10 +9,11 @@ A plane it touches where n is the normal: h = sqrt(s^2 + gamma^2 (1 - s^2)) at s
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
 from math import inf
-from typing import Literal
+from typing import ClassVar, Literal
 
 import taichi as ti
 
+from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Part
 from porous_swim.physics.model import Model, Shape
 
@@ -37,6 +38,11 @@ class HardContact(Part):
     """A wall that stops the swimmer without torque or friction."""
 
     kind: Literal["hard"] = "hard"
+    NUMBERS: ClassVar[tuple[str, ...]] = ("gamma",)  # the aspect ratio
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """See `Part`."""
+        return {"gamma": given.aspect_ratio}
 
     @staticmethod
     @cache

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from math import pi, sin
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from porous_swim.core.numbers import Given
 from porous_swim.core.parts import FARTHEST, KeyedError, Length, Part
 
 
@@ -20,6 +21,14 @@ class Encounter(Part):
     escape_pitch: Annotated[float, Field(gt=0.0, lt=1.571)] | Literal["leading", "exact"] = "leading"
     """Pitch whose first passage is timed: `leading` 3 alpha/(8 gamma^2), `exact` that of lift-off from each colloid, at
     which dh/dt = 0 in contact, or radians."""
+
+    NUMBERS: ClassVar[tuple[str, ...]] = ("escape_sine", "alpha")
+    # of the escape pitch; above 1: never; below -1: the lift-off pitch of each colloid, which follows from alpha
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """See `Part`."""
+        alpha = given.dipole_strength
+        return {"escape_sine": self.escape_sine(alpha, given.aspect_ratio), "alpha": alpha}
 
     def escape_sine(self, dipole_strength: float, aspect_ratio: float) -> float:
         """Sine of the pitch that is timed: 2 where there is none, -2 for the lift-off pitch of each colloid.

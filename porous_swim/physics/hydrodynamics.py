@@ -6,18 +6,26 @@ Lengths in half-lengths a, speeds in U. Source: Spagnolie, Moreno-Flores, Bartol
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
-from typing import Literal
+from typing import ClassVar, Literal
 
 import taichi as ti
 
+from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Part
 from porous_swim.physics.model import Model
 from porous_swim.physics.surface import make_surface
 
+DIPOLE = ("alpha", "bretherton")  # the dipole strength, and Gamma, by which a flow turns an elongated swimmer
+
+
+def dipole(given: Given) -> dict[str, float]:
+    """Return the numbers of a force dipole."""
+    return {"alpha": given.dipole_strength, "bretherton": given.bretherton}
+
 
 @cache
 def make_plane_drift(model: Model):
-    """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at a plane wall, the exact image of the dipole.
+    """Return `drift(x, e, A, law) -> velocity, director rate` at a plane wall, the exact image of the dipole.
 
     The limit of large A of that at a sphere, A being of no concern, and the flow of Blake's images:
     k [(3 q - 1) n + 2 s (e - s n)] and -(k/h) [1 + (Gamma/2)(1 + q)] s (n - s e) with k = 3 alpha/(8 h^2), s = e.n,
@@ -26,7 +34,8 @@ def make_plane_drift(model: Model):
     real, to = model.real, make_surface(model)
 
     @ti.func
-    def drift(x, e, A, alpha, Gamma):
+    def drift(x, e, A, law):
+        alpha, Gamma = law.alpha, law.bretherton
         h = to.distance(x)
         n, s = to.normal(x, h), to.sine(x, e, h)
         q = s * s
@@ -46,11 +55,11 @@ class NoHydrodynamics(Part):
     @staticmethod
     @cache
     def make_drift(model: Model):
-        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate`, both zero here."""
+        """Return `drift(x, e, A, law) -> velocity, director rate`, both zero here."""
         real = model.real
 
         @ti.func
-        def drift(x, e, A, alpha, Gamma):
+        def drift(x, e, A, law):
             return x * real(0.0), e * real(0.0)
 
         return drift
@@ -60,11 +69,16 @@ class ImageDipole(Part):
     """The flow that the nearest colloid reflects: the exact image of a force dipole at a no-slip sphere."""
 
     kind: Literal["image_dipole"] = "image_dipole"
+    NUMBERS: ClassVar[tuple[str, ...]] = DIPOLE
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """See `Part`."""
+        return dipole(given)
 
     @staticmethod
     @cache
     def make_drift(model: Model):
-        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
+        """Return `drift(x, e, A, law) -> velocity, director rate` at offset x from a sphere of radius A.
 
         The swimmer's own speed is not in the velocity. One division, no square root, no branch. At a plane wall it is
         that of `make_plane_drift`.
@@ -74,7 +88,8 @@ class ImageDipole(Part):
         real = model.real
 
         @ti.func
-        def drift(x, e, A, alpha, Gamma):
+        def drift(x, e, A, law):
+            alpha, Gamma = law.alpha, law.bretherton
             rho = x.dot(x)
             s = x.dot(e)
             H = rho - A * A  # h (2 A + h)
@@ -97,11 +112,16 @@ class NearWall(Part):
     """The paper's reduced model: the image flow to leading order in height over radius, as if the wall were plane."""
 
     kind: Literal["near_wall"] = "near_wall"
+    NUMBERS: ClassVar[tuple[str, ...]] = DIPOLE
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """See `Part`."""
+        return dipole(given)
 
     @staticmethod
     @cache
     def make_drift(model: Model):
-        """Return `drift(x, e, A, alpha, Gamma) -> velocity, director rate` at offset x from a sphere of radius A.
+        """Return `drift(x, e, A, law) -> velocity, director rate` at offset x from a sphere of radius A.
 
         The velocity is that at a plane wall. The director's rate makes height and pitch obey, with nothing left out,
         dh/dt = s - (3 alpha/(8 h^2)) (1 - 3 s^2) and
@@ -114,7 +134,8 @@ class NearWall(Part):
         real = model.real
 
         @ti.func
-        def drift(x, e, A, alpha, Gamma):
+        def drift(x, e, A, law):
+            alpha, Gamma = law.alpha, law.bretherton
             R = ti.sqrt(x.dot(x))
             n = x / R
             s, h = n.dot(e), R - A

@@ -17,6 +17,7 @@ from scipy.integrate import DOP853
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.drift import make_drift
 from porous_swim.physics.model import Model
+from porous_swim.physics.motility import make_swim
 from porous_swim.physics.surface import make_surface
 
 
@@ -43,33 +44,34 @@ def tableau() -> np.ndarray:
 
 @cache
 def make_motion(model: Model):
-    """Return `rate(x, e, A, mate, mate_A, law, gamma, mode) -> velocity, director rate, push, pinch`.
+    """Return `rate(x, e, around, law, mode) -> velocity, director rate, push, pinch`.
 
-    `x` is the offset from a sphere of radius A and x + mate that from one of mate_A. Whatever holds a swimmer, `push`
-    is the speed at which the wall has to hold it off, and `pinch` the lesser of the two speeds at which it is drawn
-    across the middle between the colloids: either holds while it is positive.
+    `around` holds A, mate and mate_A: x is the offset from a sphere of radius A and x + mate that from one
+    of mate_A. Whatever holds a swimmer, `push` is the speed at which the wall has to hold it off, and `pinch` the
+    lesser of the two speeds at which it is drawn across the middle between the colloids: either holds while it is
+    positive.
     """
     real, drift, to = model.real, make_drift(model), make_surface(model)
-    height_and_slope = HardContact.make_height_and_slope(model)
+    swim, height_and_slope = make_swim(model), HardContact.make_height_and_slope(model)
 
     @ti.func
-    def beside(x, e, A, law, gamma, held):
-        flow, turning = drift(x, e, A, law[0], law[1])
-        velocity = e + flow
+    def beside(x, e, A, law, held):
+        flow, turning = drift(((x, A),), e, law)
+        velocity = swim(e, law) + flow
         R = to.distance(x)
         n = to.normal(x, R)
         s, out = n.dot(e), n.dot(velocity)
-        _, slope = height_and_slope(s, gamma, A)
+        _, slope = height_and_slope(s, law.gamma, A)
         # ds/dt = n.de/dt + e.dn/dt, to which the normal velocity does not contribute
         push = slope * (n.dot(turning) + to.bend(e.dot(velocity) - s * out, R)) - out
         return velocity + ti.select(held, push, real(0.0)) * n, turning, push
 
     @ti.func
-    def rate(x, e, A, mate, mate_A, law, gamma, mode):
-        velocity, turning, push = beside(x, e, A, law, gamma, mode == int(Mode.HELD))
+    def rate(x, e, around, law, mode):
+        velocity, turning, push = beside(x, e, around.A, law, mode == int(Mode.HELD))
         # between two colloids: the mean of the two motions that stays there (Filippov)
-        r = x + mate
-        velocity1, turning1, _ = beside(r, e, mate_A, law, gamma, False)
+        r = x + around.mate
+        velocity1, turning1, _ = beside(r, e, around.mate_A, law, False)
         across = to.normal(x, to.distance(x)) - to.normal(r, to.distance(r))
         out, back = across.dot(velocity), -across.dot(velocity1)
         between = mode == int(Mode.BETWEEN)
@@ -83,7 +85,7 @@ def make_motion(model: Model):
 
 @cache
 def make_stride(model: Model):
-    """Return `stride(table, x, e, other, A, mate, mate_A, law, gamma, mode, tau)`, one step of length tau.
+    """Return `stride(table, x, e, other, around, law, mode, tau)`, one step of length tau.
 
     `table` is the tableau. It gives position, director (to be normalised), grip and distance from -`other` summed
     over the step, the grip at its end, and the error in units of the tolerance. Grip is the push, or the pinch of a
@@ -107,7 +109,7 @@ def make_stride(model: Model):
         return total
 
     @ti.func
-    def stride(table: ti.template(), x, e, other, A, mate, mate_A, law, gamma, mode, tau):
+    def stride(table: ti.template(), x, e, other, around, law, mode, tau):
         k = Stages(0.0)
         start = ti.Vector([real(0.0) for _ in ti.static(range(n_rows))])
         for d in ti.static(range(dimensions)):
@@ -115,9 +117,7 @@ def make_stride(model: Model):
         y = start
         for stage in range(N_STAGES + 1):  # the last one is the rate at the end: row N_STAGES of the table
             y = start + tau * weighted(k, table, stage)
-            velocity, turning, push, pinch = rate(
-                vector(y, 0), vector(y, dimensions), A, mate, mate_A, law, gamma, mode
-            )  # fmt: skip
+            velocity, turning, push, pinch = rate(vector(y, 0), vector(y, dimensions), around, law, mode)
             grip = ti.select(mode == int(Mode.BETWEEN), pinch, push)
             r = vector(y, 0) + other
             for d in ti.static(range(dimensions)):

@@ -27,10 +27,17 @@ class Model:
     surface: Surface = "sphere"
     shape: Shape = "sphere"
     flows: tuple[type, ...] = ()  # whose sum is the drift
+    motility: Any = None  # the model of how they swim and turn by themselves
+    numbers: tuple[str, ...] = ()  # names of the numbers of a swimmer, in the order of the table of parameter sets
     variates: Variates | None = None  # None without noise
     integrator: str = "euler"  # or "reflected", "located"
     flights: bool = False  # whether steps grow far from every colloid
     lanes: int = 1  # swimmers to a block
+
+    @property
+    def at_rest(self) -> Model:
+        """The model of kernels that only look at swimmers, one for all that moves them."""
+        return Model(self.real, self.dimensions, self.surface, self.shape, numbers=self.numbers)
 
     @property
     def sphere(self) -> bool:

@@ -7,23 +7,26 @@ sqrt(2 D_r dt) N in each tangential direction (one in the plane, two in space).
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from enum import IntEnum
 from functools import cache
-from typing import Annotated, Literal
+from math import sqrt
+from typing import Annotated, ClassVar, Literal
 
 import taichi as ti
 from pydantic import Field
 
+from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Diffusivity, Part, RotationalDiffusivity
 from porous_swim.physics.model import Model, Variates
 from porous_swim.physics.perrin import spheroid_diffusion
 from porous_swim.physics.philox import philox
 from porous_swim.physics.variates import BITS, cut, gaussian_pair, minus_two_log, split, uniform
-from porous_swim.physics.vectors import vec
+from porous_swim.physics.vectors import for_kernels, record, vec
 
 
 class Stream(IntEnum):
     """Uses of the generator on the device; the last word of the counter. One place for all."""
 
     KICK = 0
+    REORIENT = 1  # of motilities
 
 
 class NoNoise(Part):
@@ -47,6 +50,13 @@ class Brownian(Part):
     variates: Variates = "gaussian"
     """Distribution of a single step's increments: `uniform` is faster and has the same mean and variance."""
 
+    NUMBERS: ClassVar[tuple[str, ...]] = ("kick", "turn")  # sqrt(2 D dt), sqrt(2 D_r dt)
+
+    def numbers(self, given: Given) -> dict[str, float]:
+        """See `Part`."""
+        D, D_r = self.translational_diffusion, self.turning(given.aspect_ratio, given.dimensions)
+        return {"kick": sqrt(2.0 * D * given.time_step), "turn": sqrt(2.0 * D_r * given.time_step)}
+
     def turning(self, aspect_ratio: float, dimensions: int) -> float:
         """D_r, U/a, of a swimmer of `aspect_ratio`; `from_spheroid`: D_r/D of one passive body (see `perrin`)."""
         D, D_r = self.translational_diffusion, self.rotational_diffusion
@@ -59,18 +69,32 @@ class Brownian(Part):
 Noise = NoNoise | Brownian
 
 
+@for_kernels
+def counter(swimmer, low, high, k0, k1):
+    """What the random numbers of a step follow from: the swimmer, the step in two words and the key, all u32.
+
+    `swimmer`, `low` and `high` are of one kind: numbers, or wide values.
+    """
+    return record(swimmer=swimmer, low=low, high=high, k0=k0, k1=k1)
+
+
+@ti.func
+def words_of(at, stream: ti.template()):
+    """Four random words of a `counter`, for one use of the generator."""
+    return philox(at.low, at.high, at.swimmer, at.swimmer * ti.u32(0) + ti.u32(int(stream)), at.k0, at.k1)
+
+
 @cache
 def make_kick(model: Model):
-    """Return `kick(swimmer, step_low, step_high, k0, k1)`, a list of independent variates of variance 1.
+    """Return `kick(at)`, a list of independent variates of variance 1 at a `counter`.
 
-    The first `dimensions` of the 2 `dimensions` are for the position, those from the fourth on for the director. All
-    words are u32, and `swimmer` and the two of the step are of one kind: numbers, or wide values.
+    The first `dimensions` of the 2 `dimensions` are for the position, those from the fourth on for the director.
     """
     real, dimensions, variates = model.real, model.dimensions, model.variates
 
     @ti.func
-    def kick(swimmer, step_low, step_high, k0, k1):
-        words = philox(step_low, step_high, swimmer, swimmer * ti.u32(0) + ti.u32(int(Stream.KICK)), k0, k1)
+    def kick(at):
+        words = words_of(at, Stream.KICK)
         i = split(words[0], words[1], words[2], words[3])
         if ti.static(variates == "uniform"):
             return [uniform(i[k], BITS) * real(1.0) for k in ti.static(range(2 * dimensions))]
@@ -82,15 +106,15 @@ def make_kick(model: Model):
 
 @cache
 def make_draw(model: Model):
-    """Return `draw(swimmer, step_low, step_high, k0, k1) -> variates, excursion, excursion`.
+    """Return `draw(at) -> variates, excursion, excursion`.
 
     Like `kick`, and twice -2 ln U for the farthest points of the paths within a step: up to 23.6, from 16 bits.
     """
     real, dimensions, variates = model.real, model.dimensions, model.variates
 
     @ti.func
-    def draw(swimmer, step_low, step_high, k0, k1):
-        words = philox(step_low, step_high, swimmer, swimmer * ti.u32(0) + ti.u32(int(Stream.KICK)), k0, k1)
+    def draw(at):
+        words = words_of(at, Stream.KICK)
         high, low = cut(words[3], 16)
         deep, aside = minus_two_log(high, 16) * real(1.0), minus_two_log(low, 16) * real(1.0)
         if ti.static(variates == "uniform"):

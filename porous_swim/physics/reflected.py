@@ -15,10 +15,11 @@ from porous_swim.physics.bridge import reflection
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.drift import make_drift
 from porous_swim.physics.model import Model
+from porous_swim.physics.motility import make_reorient, make_swim
 from porous_swim.physics.noise import make_draw, make_shares, make_turn
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import make_surface
-from porous_swim.physics.vectors import vec
+from porous_swim.physics.vectors import record, vec
 
 
 @cache
@@ -41,14 +42,15 @@ def make_twist(model: Model):
 
 @cache
 def make_reflected(model: Model):
-    """Return `move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1)`.
+    """Return `move(x, e, A, law, dt, at)`.
 
-    `law` holds alpha, Gamma, sqrt(2 D dt), sqrt(2 D_r dt). It gives the displacement, as if there were no wall, and the
-    director; the gap at the start, its variance over the step and its excursion; and the excursion of the pitch.
+    `law` holds the numbers of the swimmer by name, `at` is a `noise.counter`. It gives the displacement, as if there
+    were no wall, and the director; the gap at the start, its variance over the step and its excursion; and the
+    excursion of the pitch.
     """
     real, n_turns = model.real, 2 * model.dimensions - 3
     drift, draw, turn, twist = make_drift(model), make_draw(model), make_turn(model), make_twist(model)
-    moves, turns = make_shares(model)
+    (moves, turns), swim, reorient = make_shares(model), make_swim(model), make_reorient(model)
     height_and_slope, to = HardContact.make_height_and_slope(model), make_surface(model)
 
     @ti.func
@@ -57,31 +59,32 @@ def make_reflected(model: Model):
         return turn(e, vec(*[ti.max(real(-1.0), ti.min(w[d], real(1.0))) for d in ti.static(range(n_turns))]))
 
     @ti.func
-    def predict(x, e, dx, de, A, gamma, gap0, least, slope, s0, variance, deep):
+    def predict(x, e, dx, de, law, wall):
         """Where a swimmer is at the end by the first drift; contact heights along their tangent, never below gamma."""
         e1, x1 = turned(e, de), x + dx
         R = to.distance(x1)
-        wall = ti.max(least + slope * (to.sine(x1, e1, R) - s0), gamma)
-        return x1 + to.along(x1, R, reflection(gap0, rounded(R - A - wall), variance, deep)), e1
+        least = ti.max(wall.least + wall.slope * (to.sine(x1, e1, R) - wall.sine), law.gamma)
+        push = reflection(wall.gap, rounded(R - wall.A - least), wall.variance, wall.deep)
+        return x1 + to.along(x1, R, push), e1
 
     @ti.func
-    def move(x, e, A, law, gamma, dt, swimmer, step_low, step_high, k0, k1):
-        g, deep, aside = draw(swimmer, step_low, step_high, k0, k1)
-        kick, wobble = rounded(moves(g) * law[2]), rounded(turns(g) * law[3])
+    def move(x, e, A, law, dt, at):
+        g, deep, aside = draw(at)
+        kick, wobble = rounded(moves(g) * law.kick), rounded(turns(g) * law.turn)
         R = to.distance(x)
         s, bend = to.sine(x, e, R), to.bend(real(1.0), R)
-        least, slope = height_and_slope(s, gamma, A)
+        least, slope = height_and_slope(s, law.gamma, A)
         gap = rounded(R - A - least)
         tilt = slope * slope * (real(1.0) - s * s)
-        variance = law[2] * law[2] + tilt * (law[3] * law[3] + law[2] * law[2] * bend * bend)
-        velocity, rate = drift(x, e, A, law[0], law[1])
-        spin = twist(e, rate)
-        x1, e1 = predict(
-            x, e, (e + velocity) * dt + kick, spin * dt + wobble, A, gamma, gap, least, slope, s, variance, deep
-        )  # fmt: skip
-        velocity1, rate1 = drift(x1, e1, A, law[0], law[1])
+        variance = law.kick * law.kick + tilt * (law.turn * law.turn + law.kick * law.kick * bend * bend)
+        velocity, rate = drift(((x, A),), e, law)
+        v, spin = swim(e, law), twist(e, rate)
+        wall = record(A=A, least=least, slope=slope, sine=s, gap=gap, variance=variance, deep=deep)
+        x1, e1 = predict(x, e, (v + velocity) * dt + kick, spin * dt + wobble, law, wall)
+        velocity1, rate1 = drift(((x1, A),), e1, law)
         half = real(0.5) * dt
-        dx = (e + velocity + (e1 + velocity1)) * half + kick
-        return dx, turned(e, (spin + twist(e1, rate1)) * half + wobble), gap, variance, deep, aside
+        dx = (v + velocity + (swim(e1, law) + velocity1)) * half + kick
+        e2 = turned(e, (spin + twist(e1, rate1)) * half + wobble)
+        return dx, reorient(e2, law, at), gap, variance, deep, aside
 
     return move

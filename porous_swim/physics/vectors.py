@@ -93,6 +93,11 @@ class Record:
             copy = value.variable() if isinstance(value, Vec) else impl.expr_init(value)
             setattr(self, name, copy)
 
+    @for_kernels
+    def but(self, **changes):
+        """Another one that differs in some of the fields."""
+        return Record(**{**vars(self), **changes})
+
     def _assign(self, other):
         for name, value in vars(other).items():
             getattr(self, name)._assign(value)
@@ -114,6 +119,16 @@ def vec(*components):
 def pick(condition, a, b):
     """`ti.select` for vectors."""
     return Vec([ops.select(condition, x, y) for x, y in zip(a.components, b.components, strict=True)])
+
+
+@for_kernels
+def by_lane(operation, *values):
+    """`operation` on numbers or wide values, lane by lane: for what Taichi has for numbers alone, as `ti.pow`."""
+    wide = [value for value in values if value.is_tensor()]
+    if not wide:
+        return operation(*values)
+    lanes = range(wide[0].n)
+    return make_matrix([operation(*(lane_of(v, j) if v.is_tensor() else v for v in values)) for j in lanes])
 
 
 @for_kernels

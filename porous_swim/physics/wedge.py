@@ -22,6 +22,29 @@ N_STEPS = 40  # of Newton's method, at most; it halves what is left at worst, an
 
 
 @cache
+def make_aside(model: Model):
+    """Return `aside_of(across, axis, e)`, the unit vector of the half-plane that the swimmer is in.
+
+    Where the swimmer is on its edge, its director or any direction says.
+    """
+    real = model.real
+
+    @ti.func
+    def aside_of(across, axis, e):
+        w = across.variable()
+        if w.dot(w) <= real(1e-30):
+            w = e - axis * e.dot(axis)
+        if w.dot(w) <= real(1e-12):
+            first = ti.select(ti.abs(axis[0]) < real(0.75), real(1.0), real(0.0))
+            w = axis * real(0.0)
+            w[0], w[1] = first, real(1.0) - first
+            w = w - axis * w.dot(axis)
+        return w / ti.sqrt(w.dot(w))
+
+    return aside_of
+
+
+@cache
 def make_wedge(model: Model) -> SimpleNamespace:
     """Return a namespace of functions about two spheres, of radii A and A1, the second at d from the first.
 
@@ -30,7 +53,7 @@ def make_wedge(model: Model) -> SimpleNamespace:
     the two normals, at offsets v and v1 from the two centres, that add up to a displacement in their plane.
     """
     real, height_and_slope = model.real, HardContact.make_rolled_height_and_slope(model)
-    exact = 4e-16 if real == ti.f64 else 2e-7
+    aside_of, exact = make_aside(model), 4e-16 if real == ti.f64 else 2e-7
 
     @ti.func
     def wall(a, s, along, aside, A, gamma):
@@ -60,19 +83,6 @@ def make_wedge(model: Model) -> SimpleNamespace:
             done = ti.abs(da) + ti.abs(ds) <= real(exact) * (rho + ti.abs(s))
             left = ti.select(done, 0, left - 1)
         return a, s
-
-    @ti.func
-    def aside_of(across, axis, e):
-        """The unit vector of the half-plane; where the swimmer is on its edge, its director or any direction says."""
-        w = across.variable()
-        if w.dot(w) <= real(1e-30):
-            w = e - axis * e.dot(axis)
-        if w.dot(w) <= real(1e-12):
-            first = ti.select(ti.abs(axis[0]) < real(0.75), real(1.0), real(0.0))
-            w = axis * real(0.0)
-            w[0], w[1] = first, real(1.0) - first
-            w = w - axis * w.dot(axis)
-        return w / ti.sqrt(w.dot(w))
 
     @ti.func
     def corner(v, e, d, A, A1, gamma):

@@ -14,10 +14,10 @@ import numpy as np
 
 from porous_swim.core.errors import SceneError
 from porous_swim.engine.engine import Engine
-from porous_swim.engine.parameters import Laws, Numbers
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
-from porous_swim.running.simulation import Start, laws_of
+from porous_swim.running.dynamics import dynamics_of
+from porous_swim.running.simulation import Start
 from porous_swim.scene.scene import Scene
 
 LEEWAY = 4.0  # times what a swimmer swims in the run; flows near a colloid add to its speed, but only there
@@ -56,22 +56,13 @@ def run_batch(scenes: Sequence[Scene]) -> list[Member]:
     starts = [Start.of(scene) for scene in scenes]
     field, shifts = _archipelago(scenes, [start.field for start in starts])
     counts = [scene.swimmers.count for scene in scenes]
-    laws = [laws_of(scene) for scene in scenes]
-    first = scenes[0]
     engine = Engine(
         starts[0].backend, field,
         np.concatenate([start.swimmers.position + shift for start, shift in zip(starts, shifts, strict=True)]),
         np.concatenate([start.swimmers.director for start in starts]),
-        laws=Laws(*(np.concatenate([getattr(law, name) for law in laws]) for name in Laws.__dataclass_fields__)),
-        law_of=np.repeat(np.arange(len(scenes), dtype=np.int32), counts),
-        numbers=Numbers(
-            first.run.time_step, first.encounter.escape_height, first.encounter.contact_band, first.run.seed,
-            first.flight_ticks,
-        ),
-        hydrodynamics=type(first.hydrodynamics), precision=first.precision, integrator=first.integrator,
-        variates=first.noise.variates if isinstance(first.noise, Brownian) else None,
+        dynamics=dynamics_of(scenes),
     )  # fmt: skip
-    frames = _frames(engine, first)
+    frames = _frames(engine, scenes[0])
     ends = np.cumsum(counts)
     return [
         _member(scene, columns, frames, int(end - scene.swimmers.count), shift)

@@ -11,16 +11,16 @@ import numpy as np
 
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
+from porous_swim.engine.dynamics import Tuning
 from porous_swim.engine.engine import Engine
 from porous_swim.engine.kernel.lags import Lags, n_levels
 from porous_swim.engine.kernel.survey import Groups
-from porous_swim.engine.parameters import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.recent_events import News
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.noise import Brownian
 from porous_swim.results.tables import TableInfo
+from porous_swim.running.dynamics import dynamics_of
 from porous_swim.scene.scene import Scene
 from porous_swim.swimmers.placement import Swimmers
 
@@ -56,15 +56,9 @@ class Simulation:
         """
         start = Start.of(scene) if start is None else start
         self.scene, self.backend, self.field, self._keeps_news = scene, start.backend, start.field, news
-        noise = scene.noise
         self.engine = Engine(
-            self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
-            numbers=Numbers(
-                scene.run.time_step, scene.encounter.escape_height, scene.encounter.contact_band, scene.run.seed,
-                scene.flight_ticks,
-            ),
-            hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
-            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=news, log_path=log_path,
+            self.backend, self.field, start.swimmers.position, start.swimmers.director, dynamics=dynamics_of([scene]),
+            tuning=Tuning(lanes), news=news, log_path=log_path,
         )  # fmt: skip
         frames = {"n_frames": scene.n_frames, "burn_in": scene.burn_in_frames}
         self._survey = self.engine.survey(n_levels=n_levels(**frames))
@@ -127,13 +121,3 @@ def _ensemble(groups: Groups) -> Ensemble:
     squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
     error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
     return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
-
-
-def laws_of(scene: Scene) -> Laws:
-    """The parameter set of a scene; one row."""
-    alpha, gamma = scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio
-    numbers = (
-        alpha, gamma, scene.translational_diffusion, scene.rotational_diffusion,
-        scene.encounter.escape_sine(alpha, gamma),
-    )  # fmt: skip
-    return Laws(*(np.array([number]) for number in numbers))

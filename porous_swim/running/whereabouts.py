@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from porous_swim.engine.kernel.settle import PAIRED_WITHIN
-from porous_swim.engine.parameters import Laws, Numbers, flight_height
+from porous_swim.engine.kernel.budget import PAIRED_WITHIN
 from porous_swim.obstacles.field import ObstacleField, bulk
+from porous_swim.running.dynamics import lowest_flight
 from porous_swim.scene.scene import Scene
 
 _POINTS = 4000  # looked at: shares to 1 %
@@ -19,10 +19,7 @@ def far_share(scene: Scene, field: ObstacleField) -> float:
         return 0.0
     if len(field.radii) == 0 or not field.periodic:  # in the open hardly anyone comes back
         return 1.0
-    numbers = Numbers(scene.run.time_step, scene.encounter.escape_height, 0.0, 0, scene.flight_ticks)
-    alpha, gamma = scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio
-    values = (alpha, gamma, scene.translational_diffusion, scene.rotational_diffusion, 2.0)
-    lowest = flight_height(Laws(*(np.array([value]) for value in values)), numbers)
+    lowest, gamma = lowest_flight([scene]), scene.swimmers.aspect_ratio
     points = np.random.default_rng(0).random((_POINTS, 3)) * field.box
     _, _, height = field.nearest(points)
     free = height[height >= gamma]

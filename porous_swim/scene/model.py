@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
+from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Part
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.layouts import OPEN_BY_DEFAULT, Layout
@@ -138,8 +139,20 @@ class SceneModel(Part):
     @property
     def bretherton(self) -> float:
         """Gamma = (1 - gamma^2)/(1 + gamma^2), 0 for a sphere."""
-        squared = self.swimmers.aspect_ratio**2
-        return (1.0 - squared) / (1.0 + squared)
+        return self.given.bretherton
+
+    @property
+    def movers(self) -> tuple[Part, ...]:
+        """The parts that hand numbers to the kernels."""
+        return self.hydrodynamics, self.contact, self.noise, self.encounter
+
+    @property
+    def given(self) -> Given:
+        """What the numbers of parts depend on beside their keys."""
+        swimmers = self.swimmers
+        return Given(
+            swimmers.dipole_strength, swimmers.aspect_ratio, self.domain.dimensions, self.run.time_step
+        )  # fmt: skip
 
     @property
     def unit_system(self) -> UnitSystem | None:

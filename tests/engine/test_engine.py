@@ -119,7 +119,7 @@ def test_parameter_sets_are_rows_of_one_launch():
     field = hexagonal()
     position, director = released(field, 40)
     laws = dict(D=0.002, time_step=0.005)
-    both = make_engine(field, position, director, alpha=[0.8, 4.0], law_of=np.arange(40) % 2, **laws)
+    both = make_engine(field, position, director, alpha=[0.8, 4.0], set_of=np.arange(40) % 2, **laws)
     both.advance(400)
     for row, alpha in enumerate((0.8, 4.0)):
         alone = make_engine(field, position, director, alpha=alpha, **laws)

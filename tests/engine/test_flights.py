@@ -10,7 +10,7 @@ import pytest
 import porous_swim as ps
 from porous_swim.core.errors import DeviceError
 from porous_swim.engine.engine import LONGEST_LAUNCH
-from porous_swim.engine.parameters import Laws, Numbers, flight_height
+from porous_swim.engine.parameters import flight_height
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.support.engines import fcc, field_of, fingerprint, make_engine, released
 
@@ -142,8 +142,7 @@ def test_a_device_that_takes_no_flights_says_so(monkeypatch):
 @pytest.mark.parametrize("hydrodynamics", ["image_dipole", "near_wall"])
 @pytest.mark.parametrize(("alpha", "T"), [(0.8, 0.5), (4.0, 0.5), (4.0, 2.0), (-10.0, 2.0)])
 def test_from_the_height_of_flights_on_the_flow_hardly_changes_and_contact_is_far(alpha, T, hydrodynamics):
-    laws = Laws(*(np.array([value]) for value in (alpha, 1.0, 0.01, 0.0075, 2.0)))
-    height = flight_height(laws, Numbers(0.01, 1.5, 0.05, 1, round(T / 0.01)))
+    height = flight_height(alpha, 0.01, T)
     kicks = 5.4 * np.sqrt(3.0 * 2.0 * 0.01 * T)
     pitch = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 41)
     director = np.stack([np.cos(pitch), np.sin(pitch), 0.0 * pitch], axis=1)

@@ -63,7 +63,7 @@ def test_a_rod_passes_the_exact_escape_pitch_where_its_height_begins_to_grow():
     director = np.stack([np.cos(tilt), np.sin(tilt), np.zeros(len(tilt))], axis=1)
     engine = make_engine(
         field_of(center, radius), position, director, alpha=alpha, gamma=gamma, D=0.0, precision="f64",
-        escape_sine=-2.0, law_of=np.repeat(np.arange(len(pitch), dtype=np.int32), 2),
+        escape_sine=-2.0, set_of=np.repeat(np.arange(len(pitch), dtype=np.int32), 2),
     )  # fmt: skip
     rows = engine.encounters()
     passed = np.full(len(tilt), np.nan)

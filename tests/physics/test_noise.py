@@ -6,7 +6,7 @@ import taichi as ti
 
 from porous_swim.engine import backend
 from porous_swim.physics.model import Model
-from porous_swim.physics.noise import make_draw, make_kick, make_turn
+from porous_swim.physics.noise import counter, make_draw, make_kick, make_turn
 from porous_swim.physics.philox import philox
 from porous_swim.physics.vectors import vec
 
@@ -52,7 +52,7 @@ def variates_of(kind: str, *, dimensions=3, seed=5, first=0) -> np.ndarray:
     @ti.kernel
     def draw(low: ti.u32, key: ti.u32, out: ti.types.ndarray(ti.f64, 2)):
         for i in range(out.shape[0]):
-            n = kick(ti.cast(i, ti.u32), low, ti.u32(0), key, ti.u32(0))
+            n = kick(counter(ti.cast(i, ti.u32), low, ti.u32(0), key, ti.u32(0)))
             for k in ti.static(range(6)):
                 out[i, k] = n[k]
 
@@ -101,7 +101,7 @@ def draws_of(kind: str, *, seed=5, first=0) -> np.ndarray:
     @ti.kernel
     def draw(low: ti.u32, key: ti.u32, out: ti.types.ndarray(ti.f64, 2)):
         for i in range(out.shape[0]):
-            n, deep, aside = draw_one(ti.cast(i, ti.u32), low, ti.u32(0), key, ti.u32(0))
+            n, deep, aside = draw_one(counter(ti.cast(i, ti.u32), low, ti.u32(0), key, ti.u32(0)))
             for k in ti.static(range(6)):
                 out[i, k] = n[k]
             out[i, 6], out[i, 7] = deep, aside

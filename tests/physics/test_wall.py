@@ -136,7 +136,7 @@ def test_a_pusher_slides_straight_and_turns_parallel_as_its_equations_say():
     # in contact h = 1 and d(pitch)/dt = -k sin cos with k = 3 alpha/8, so that tan(pitch) decays exponentially; along
     # the wall it moves with cos (1 + 2 k sin), and the wall holds it off by -(sin + k (3 sin^2 - 1)), above 0 here
     k, first, duration = 0.375 * np.array([0.4, 0.8, 2.0]), np.array([-1.2, 0.1, -0.5]), 10.0
-    engine = located(wall(3), at_height(1.0, 3, 3), directors(first, 3), alpha=k / 0.375, law_of=np.arange(3))
+    engine = located(wall(3), at_height(1.0, 3, 3), directors(first, 3), alpha=k / 0.375, set_of=np.arange(3))
     engine.advance(20)
     now, rows = engine.snapshot(), engine.encounters()
 
@@ -161,7 +161,7 @@ def test_a_pusher_slides_straight_and_turns_parallel_as_its_equations_say():
 def test_a_wall_keeps_every_pusher_that_comes_to_it():
     alpha, pitch = (v.ravel() for v in np.meshgrid([0.05, 0.3, 0.8, 4.0], [-1.5, -0.9, -0.4]))
     n = len(alpha)
-    engine = located(wall(3), at_height(4.0, n, 3), directors(pitch, 3), alpha=alpha, law_of=np.arange(n))
+    engine = located(wall(3), at_height(4.0, n, 3), directors(pitch, 3), alpha=alpha, set_of=np.arange(n))
     engine.advance(800)
     rows, now = engine.encounters(), engine.snapshot()
     assert engine.counts() == (n, 0, 0, 0)

@@ -7,11 +7,13 @@ import hashlib
 import numpy as np
 
 from porous_swim.engine import backend
+from porous_swim.engine.dynamics import Dynamics, Tuning
 from porous_swim.engine.engine import Engine
-from porous_swim.engine.parameters import Laws, Numbers
+from porous_swim.engine.parameters import Numbers, Parameters, flight_height
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
 from porous_swim.physics.hydrodynamics import ImageDipole
+from porous_swim.physics.motility import Steady
 
 
 def field_of(centers, radii, box=(0.0, 0.0, 0.0), dimensions=3) -> ObstacleField:
@@ -64,16 +66,28 @@ def released(field: ObstacleField, n: int, *, seed=0, clearance=1.01) -> tuple[n
 
 def make_engine(
     field: ObstacleField, position, director, *, alpha=0.8, gamma=1.0, D=0.002, D_r=None, time_step=0.005, seed=1,
-    precision="f32", variates="gaussian", device="cpu", threads=None, hydrodynamics=ImageDipole,
-    escape_sine=2.0, flight_ticks=1, **options,
+    precision="f32", variates="gaussian", device="cpu", threads=None, hydrodynamics=ImageDipole, flows=(),
+    motility=Steady, own=None, integrator="euler", escape_sine=2.0, flight_ticks=1, set_of=None, lanes=None, chunk=None,
+    log_rows=None, **options,
 ) -> Engine:  # fmt: skip
-    """An engine for swimmers that share one law; `alpha` and `escape_sine` may be arrays with `law_of`."""
-    columns = np.broadcast_arrays(alpha, gamma, D, 0.75 * D if D_r is None else D_r, escape_sine)
+    """An engine for swimmers of one kind; numbers may be arrays with `set_of`. Further `flows` have `own` numbers."""
+    gammas = np.asarray(gamma, float)
+    numbers = {
+        "alpha": alpha, "bretherton": (1.0 - gammas * gammas) / (1.0 + gammas * gammas), "gamma": gamma,
+        "kick": np.sqrt(2.0 * np.asarray(D) * time_step),
+        "turn": np.sqrt(2.0 * np.asarray(0.75 * D if D_r is None else D_r) * time_step),
+        "escape_sine": escape_sine, **(own or {}),
+    }  # fmt: skip
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(each, float)) for each in numbers.values()))
+    lowest = flight_height(float(np.abs(alpha).max()), float(np.max(D)), flight_ticks * time_step)
+    dynamics = Dynamics(
+        Parameters(tuple(numbers), np.stack(columns, axis=1)),
+        Numbers(time_step, 1.5, 0.05, seed, flight_ticks, lowest), (hydrodynamics, *flows),
+        variates if np.any(D) else None, precision, integrator, motility, set_of,
+    )  # fmt: skip
     return Engine(
         backend.ensure(device, threads), field, np.atleast_2d(np.array(position, float)),
-        np.atleast_2d(np.array(director, float)), laws=Laws(*(np.atleast_1d(c).astype(float) for c in columns)),
-        numbers=Numbers(time_step, 1.5, 0.05, seed, flight_ticks), hydrodynamics=hydrodynamics,
-        variates=variates if np.any(D) else None, precision=precision, **options,
+        np.atleast_2d(np.array(director, float)), dynamics=dynamics, tuning=Tuning(lanes, chunk, log_rows), **options,
     )  # fmt: skip
 
 

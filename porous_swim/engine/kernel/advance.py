@@ -5,31 +5,18 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.book import make_book
-from porous_swim.engine.kernel.encounters import make_encounters, make_orient, make_recall, make_threshold
-from porous_swim.engine.kernel.locate import LOCATED_BAND, make_locate
+from porous_swim.engine.kernel.attend import make_attend
+from porous_swim.engine.kernel.lanes import make_lanes
+from porous_swim.engine.kernel.locate import make_locate
 from porous_swim.engine.kernel.log import Log
 from porous_swim.engine.kernel.move import make_step
 from porous_swim.engine.kernel.pairs import make_swap
 from porous_swim.engine.kernel.reflect import make_reflect
-from porous_swim.engine.kernel.rows import get_image, make_vectors, make_wide, rows_of
-from porous_swim.engine.kernel.settle import make_settle
-from porous_swim.engine.kernel.state import (
-    N_LANE_INTS,
-    PHASE_BIT,
-    Event,
-    Int,
-    LaneInt,
-    Law,
-    Long,
-    Total,
-    clock_of_events,
-)
-from porous_swim.engine.kernel.swimmers import Rules, Swimmers, put_image, set_of
+from porous_swim.engine.kernel.rows import rows_of
+from porous_swim.engine.kernel.state import N_LANE_INTS, Event, Int, LaneInt
+from porous_swim.engine.kernel.swimmers import Rules, Swimmers
 from porous_swim.obstacles.search import Medium
-from porous_swim.physics.contact import HardContact
 from porous_swim.physics.model import Model
-from porous_swim.physics.surface import make_surface
 
 
 def make_mover(model: Model):
@@ -41,119 +28,14 @@ def make_mover(model: Model):
 
 
 @cache
-def make_lanes(model: Model):
-    """Return `load` and `store`, between memory and lane j of a block."""
-    real, located, mates, flights = model.real, model.located, model.mates, model.flights
-    rows, middle = rows_of(model), clock_of_events(model.integrator)
-    threshold, recall = make_threshold(model), make_recall(model)
-    _, sync = make_swap(model)
-
-    @ti.func
-    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
-             rules: ti.template(), fresh):  # fmt: skip
-        """Take swimmer i into the lane; where the launch is `fresh` it is at its first step."""
-        for row in ti.static(range(rows.n_shared)):
-            f[row][j] = swimmers.real[row, i]
-        word = swimmers.int[int(Int.EVENT), i]
-        n[Int.EVENT][j], n[LaneInt.PHASE][j] = word & ((1 << PHASE_BIT) - 1), word >> PHASE_BIT
-        n[Int.STEP][j] = ti.select(fresh != 0, 0, swimmers.int[int(Int.STEP), i])
-        for k in ti.static(range(int(Law.ESCAPE_SINE))):
-            f[rows.alpha + k][j] = swimmers.law[set_of(swimmers, i), k]
-        b = ti.max(swimmers.int[int(Int.BOUND), i], 0)
-        f[rows.escape_sine][j] = threshold(swimmers, medium, i, b, f[rows.alpha][j], f[rows.gamma][j])
-        if ti.static(not located):
-            f[rows.clock][j] = ti.select(rules.first + n[Int.STEP][j] > 0, real(middle), real(0.0))
-        recall(n, j, i, swimmers)
-        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
-        n[Int.EVENT][j] |= int(Event.ORIENT)
-        n[LaneInt.SWIMMER][j], n[LaneInt.SWAPPED][j] = i, 0
-        if ti.static(flights):  # launches begin where flights may
-            n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
-
-    @ti.func
-    def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first):
-        """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
-        i = n[LaneInt.SWIMMER][j]
-        if i >= 0:
-            if ti.static(mates):
-                sync(n, j, i, swimmers)
-            for row in ti.static(range(rows.n_shared)):
-                swimmers.real[row, i] = f[row][j]
-            swimmers.int[int(Int.STEP), i] = n[Int.STEP][j]
-            swimmers.int[int(Int.EVENT), i] = n[Int.EVENT][j] | n[LaneInt.PHASE][j] << PHASE_BIT
-            if ti.static(located):
-                swimmers.int[int(Int.STRUCK), i] = n[LaneInt.STRUCK][j]
-                put_image(swimmers, int(Int.STRUCK_IMAGE), i, get_image(n, LaneInt.STRUCK_IMAGE, j))
-            if n[LaneInt.RELEASE][j] >= 0:
-                swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
-            swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
-            if n[Int.EVENT][j] & int(Event.HALT):
-                ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
-            elif n[Int.EVENT][j] == 0:
-                ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
-        n[LaneInt.SWIMMER][j], n[Int.EVENT][j] = -1, int(Event.HALT)
-
-    return load, store
-
-
-@cache
 def make_advance(model: Model):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
-    real, lanes, located, mates = model.real, model.lanes, model.located, model.mates
-    rows, (whole, _), (get, put) = rows_of(model), make_wide(model), make_vectors(model)
-    step, book, settle, orient = make_mover(model), make_book(model), make_settle(model), make_orient(model)
-    encounters, contact_height, to = make_encounters(model), HardContact.make_rolled_height(model), make_surface(model)
-    (load, store), (swap, sync) = make_lanes(model), make_swap(model)
+    real, lanes, mates, rows = model.real, model.lanes, model.mates, rows_of(model)
+    step, attend_all = make_mover(model), make_attend(model)
+    (load, store), (swap, _) = make_lanes(model), make_swap(model)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row, int_row, long_row = (ti.types.ndarray(t, ndim=1) for t in (real, ti.i32, ti.i64))
-
-    @ti.func
-    def attend(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
-               log: ti.template(), rules: ti.template()):  # fmt: skip
-        """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
-        if ti.static(mates):
-            sync(n, j, i, swimmers)
-        event = n[Int.EVENT][j]
-        n[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
-        if event & int(Event.LOCATE):  # a swimmer just placed stays where it is
-            put(f, rows.trial_x, j, get(f, rows.x, j))
-            put(f, rows.trial_e, j, get(f, rows.e, j))
-        if event & int(Event.LOCATE | Event.FINISH):
-            band = rules.tolerance
-            if ti.static(located):  # a swimmer released that near touches; later a touch is a touch
-                band = ti.select(event & int(Event.LOCATE), band, real(LOCATED_BAND))
-            settle(f, n, j, i, swimmers, medium, rules, band)
-        orient(f, n, j, i, swimmers, medium)
-        if n[Int.EVENT][j] & int(Event.HALT) == 0:
-            if event & int(Event.FINISH):
-                n[LaneInt.SETTLED][j] = 1
-            else:
-                if event & int(Event.LOCATE):
-                    touch = (n[LaneInt.TOUCH][j] != 0) & (n[LaneInt.WATCH_CONTACT][j] != 0)
-                    n[Int.EVENT][j] |= ti.select(touch, int(Event.CONTACT), 0)
-                if n[Int.EVENT][j] != 0:
-                    encounters(f, n, j, i, swimmers, medium, log, rules)
-
-    @ti.func
-    def attend_all(f: ti.template(), n: ti.template(), swimmers: ti.template(), medium: ti.template(),
-                   log: ti.template(), rules: ti.template()):  # fmt: skip
-        """Do what the lanes wait for: settle and book; what comes of it; orient those whose encounter it changed."""
-        for _ in range(3):
-            waiting, settled = 0, 0
-            for j in range(lanes):
-                waiting |= n[Int.EVENT][j]
-            if (waiting & ~int(Event.HALT)) != 0:
-                for j in range(lanes):
-                    if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
-                        attend(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
-                        settled |= n[LaneInt.SETTLED][j]
-            if settled != 0:
-                r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
-                s = to.sine(r, whole(f, rows.trial_e), to.distance(r))
-                least = contact_height(s, f[rows.gamma], f[rows.bound_A])
-                book(f, n, n[LaneInt.SETTLED] != 0, rules, least)
-                n[LaneInt.SETTLED] = WideInt(0)
 
     @ti.kernel
     def advance(

@@ -149,10 +149,10 @@ def make_book(model: Model):
         """Whether the path went above the escape height, and past the escape pitch, within the step; its first sine."""
         R = to.distance(r0)
         s0, bend = to.sine(r0, e0, R), to.bend(real(1.0), R)
-        kick, turn = f[rows.kick] * f[rows.kick], f[rows.turn] * f[rows.turn]
+        kick, turn = f[rows.law.kick] * f[rows.law.kick], f[rows.law.turn] * f[rows.law.turn]
         left = crosses(rules.escape_height, R - f[rows.bound_A], h, kick, f[rows.height_excursion])
         variance = (turn + kick * bend * bend) * (real(1.0) - s0 * s0)
-        return left, crosses(f[rows.escape_sine], s0, s, variance, f[rows.pitch_excursion]), s0
+        return left, crosses(f[rows.law.escape_sine], s0, s, variance, f[rows.pitch_excursion]), s0
 
     @ti.func
     def press(f: ti.template(), bound, free, least):
@@ -192,7 +192,7 @@ def make_book(model: Model):
         is_bound = n[LaneInt.PHASE] == int(Phase.BOUND)
         bound, free = on & is_bound, on & (not is_bound)
         h = R - f[rows.bound_A]
-        left, passed, s0 = h > rules.escape_height, s > f[rows.escape_sine], s
+        left, passed, s0 = h > rules.escape_height, s > f[rows.law.escape_sine], s
         if ti.static(reflected):
             crossed_height, crossed_pitch, s0 = crossings(f, rules, r0, e0, h, s)
             left, passed = left | crossed_height, passed | crossed_pitch

@@ -7,14 +7,14 @@ import taichi as ti
 
 from porous_swim.engine.kernel.log import make_log
 from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
-from porous_swim.engine.kernel.state import Event, Int, LaneInt, Law, Long, Phase, Total
+from porous_swim.engine.kernel.state import Event, Int, LaneInt, Long, Phase, Total
 from porous_swim.engine.kernel.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
 from porous_swim.obstacles.search import make_between
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.lift_off import make_lift_off_sine
 from porous_swim.physics.model import Model
 from porous_swim.physics.surface import make_surface
-from porous_swim.physics.vectors import pick, vec
+from porous_swim.physics.vectors import pick, record, vec
 
 
 @ti.func
@@ -89,7 +89,7 @@ def make_orient(model: Model):
             put(f, rows.mate_offset, j, between(medium, m, image_m, k, image))
         n[LaneInt.OWN][j] = ti.cast(own, ti.i32)
         n[LaneInt.WATCH_CONTACT][j] = ti.cast(news, ti.i32)
-        n[LaneInt.WATCH_PITCH][j] = ti.cast(awaited & (f[rows.escape_sine][j] < real(1.0)), ti.i32)
+        n[LaneInt.WATCH_PITCH][j] = ti.cast(awaited & (f[rows.law.escape_sine][j] < real(1.0)), ti.i32)
 
     return orient
 
@@ -98,10 +98,11 @@ def make_orient(model: Model):
 def make_threshold(model: Model):
     """Return `threshold(swimmers, medium, i, k, alpha, gamma)`: the sine of swimmer i's escape pitch at colloid k."""
     real, lift_off_sine = model.real, make_lift_off_sine(model)
+    column = model.numbers.index("escape_sine")
 
     @ti.func
     def threshold(swimmers: ti.template(), medium: ti.template(), i, k, alpha, gamma):
-        sine = swimmers.law[set_of(swimmers, i), int(Law.ESCAPE_SINE)]
+        sine = swimmers.law[set_of(swimmers, i), column]
         if sine < real(-1.0):
             sine = lift_off_sine(medium.radius[k], alpha, gamma)
         return sine
@@ -111,9 +112,9 @@ def make_threshold(model: Model):
 
 @cache
 def make_capture(model: Model):
-    """Return `capture(f, n, j, i, swimmers, medium, rules, k, image, struck)`, which opens an encounter with colloid k.
+    """Return `capture(f, n, j, i, swimmers, medium, rules, target)`, which opens an encounter.
 
-    `struck` says whether it begins at the wall; it does not in a direct hop.
+    `target` is the colloid, `k` and `image`; `struck` says whether it begins at the wall: it does not in a direct hop.
     """
     real, dimensions, reflected, located = model.real, model.dimensions, model.reflected, model.located
     rows, (get, _) = rows_of(model), make_vectors(model)
@@ -131,7 +132,8 @@ def make_capture(model: Model):
 
     @ti.func
     def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
-                rules: ti.template(), k, image, struck):  # fmt: skip
+                rules: ti.template(), target):  # fmt: skip
+        k, image, struck = target.k, target.image, target.struck
         count(i, swimmers, k, image)
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
@@ -142,7 +144,7 @@ def make_capture(model: Model):
         e = get(f, rows.e, j)
         R = to.distance(r)
         s, h = to.sine(r, e, R), R - medium.radius[k]
-        least = contact_height(s, f[rows.gamma][j], medium.radius[k])
+        least = contact_height(s, f[rows.law.gamma][j], medium.radius[k])
         touch, low = h <= least + rules.tolerance, h
         if ti.static(reflected):  # the wall was touched within the step, and may have been left again
             touch |= struck
@@ -155,8 +157,8 @@ def make_capture(model: Model):
         for row in ti.static(range(rows.winding, rows.min_height)):
             f[row][j] = real(0.0)
         f[rows.min_height][j], f[rows.max_height][j] = h, h
-        threshold = threshold_at(swimmers, medium, i, k, f[rows.alpha][j], f[rows.gamma][j])
-        f[rows.escape_sine][j] = threshold
+        threshold = threshold_at(swimmers, medium, i, k, f[rows.law.alpha][j], f[rows.law.gamma][j])
+        f[rows.law.escape_sine][j] = threshold
         f[rows.release_sine][j], f[rows.release_winding][j] = s, real(0.0)
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
         step = rules.first + n[Int.STEP][j]
@@ -247,6 +249,7 @@ def make_encounters(model: Model):
             if struck & (not bound):
                 target, target_image = k, image
             if target >= 0:
-                capture(f, n, j, i, swimmers, medium, rules, target, target_image, struck)
+                begun = record(k=target, image=target_image, struck=struck)
+                capture(f, n, j, i, swimmers, medium, rules, begun)
 
     return encounters

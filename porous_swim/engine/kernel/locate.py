@@ -7,7 +7,7 @@ import taichi as ti
 
 from porous_swim.engine.kernel.book import make_book
 from porous_swim.engine.kernel.move import FAR
-from porous_swim.engine.kernel.rows import make_vectors, rows_of
+from porous_swim.engine.kernel.rows import make_law, make_vectors, rows_of
 from porous_swim.engine.kernel.settle import BETWEEN
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase
 from porous_swim.engine.kernel.swimmers import image_of, same
@@ -16,7 +16,7 @@ from porous_swim.physics.contact import HardContact
 from porous_swim.physics.located import Mode, make_motion, make_stride
 from porous_swim.physics.model import Model
 from porous_swim.physics.surface import make_surface
-from porous_swim.physics.vectors import vec
+from porous_swim.physics.vectors import record, vec
 
 HALVINGS = 50  # of a time step: to its last bit
 SHORTEST = 1e-9  # of a time step: where errors or turning points ask for less, go on
@@ -53,7 +53,7 @@ def make_passed(model: Model):
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             place = vec(*[x[d] for d in ti.static(range(dimensions))])
             heading = vec(*[e[d] for d in ti.static(range(dimensions))])
-            found = search.run(medium, k, image, place, heading, f[rows.gamma][j])
+            found = search.run(medium, k, image, place, heading, f[rows.law.gamma][j])
             m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
             mate = (mode == int(Mode.BETWEEN)) & same(m, image_m, found.near, found.image)
             other = not (same(k, image, found.near, found.image) | mate)
@@ -64,92 +64,105 @@ def make_passed(model: Model):
         """Whether the swimmer is in the contact band of the colloid of its encounter."""
         r = x + get(f, rows.bound_offset, j)
         R = to.distance(r)
-        least, _ = height_and_slope(to.sine(r, e, R), f[rows.gamma][j], f[rows.bound_A][j])
+        least, _ = height_and_slope(to.sine(r, e, R), f[rows.law.gamma][j], f[rows.bound_A][j])
         return R - f[rows.bound_A][j] - least <= ti.max(rules.contact_band, rules.tolerance)
 
     @ti.func
-    def passed(f: ti.template(), n: ti.template(), j, rules: ti.template(), x, e, mode, low, grip):
-        """Whether the swimmer touches, gets loose, crosses the edge of the contact band, escapes, or passes a pitch."""
+    def passed(f: ti.template(), n: ti.template(), j, rules: ti.template(), x, e, mode, low):
+        """Whether the swimmer touches, crosses the edge of the contact band, escapes, or passes a pitch."""
         R = to.distance(x)
-        least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma][j], f[rows.A][j])
+        least, _ = height_and_slope(to.sine(x, e, R), f[rows.law.gamma][j], f[rows.A][j])
         sunk = R - f[rows.A][j] - least < -real(AT_WALL) * R
         r = x + get(f, rows.bound_offset, j)
         distance = to.distance(r)
         bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
         left = bound & (distance - f[rows.bound_A][j] > rules.escape_height)
-        pitched = (n[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > f[rows.escape_sine][j])
+        pitched = (n[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > f[rows.law.escape_sine][j])
         crossed = bound & (is_low(f, j, rules, x, e) != low)
-        loose = (mode != int(Mode.FREE)) & (grip < real(0.0))
-        return loose | ((mode != int(Mode.HELD)) & sunk) | crossed | left | pitched
+        return ((mode != int(Mode.HELD)) & sunk) | crossed | left | pitched
 
     return switched, passed, is_low
 
 
 @cache
-def make_locate(model: Model):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
-    real, sphere, rows = model.real, model.sphere, rows_of(model)
-    get, (_, put) = make_get(model), make_vectors(model)
-    rate, stride, book = make_motion(model), make_stride(model), make_book(model)
-    switched, passed, is_low = make_passed(model)
-    height_and_slope, to = HardContact.make_height_and_slope(model), make_surface(model)
+def make_modes(model: Model):
+    """Return `mode_of(f, n, j, x, e, around, law)` and `level(x, around)`.
+
+    The first says what holds the swimmer, and how fast it approaches the wall; the second puts a swimmer between two
+    colloids back to where both are equally near. For `around` see `located.make_motion`.
+    """
+    real, rate, to = model.real, make_motion(model), make_surface(model)
+    height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
-    def mode_of(f: ti.template(), n: ti.template(), j, x, e, A, mate, law, gamma):
-        """What holds the swimmer, and how fast it approaches the wall."""
+    def mode_of(f: ti.template(), n: ti.template(), j, x, e, around, law):
         R = to.distance(x)
-        least, _ = height_and_slope(to.sine(x, e, R), gamma, A)
-        _, _, push, pinch = rate(x, e, A, mate, f[rows.mate_A][j], law, gamma, int(Mode.FREE))
-        held = (R - A - least <= real(AT_WALL) * R) & (push >= real(0.0))
+        least, _ = height_and_slope(to.sine(x, e, R), law.gamma, around.A)
+        _, _, push, pinch = rate(x, e, around, law, int(Mode.FREE))
+        held = (R - around.A - least <= real(AT_WALL) * R) & (push >= real(0.0))
         mode = ti.select(held, int(Mode.HELD), int(Mode.FREE))
-        r = x + mate
-        level = ti.abs(R - A - to.distance(r) + f[rows.mate_A][j]) <= real(BETWEEN)
+        r = x + around.mate
+        level = ti.abs(R - around.A - to.distance(r) + around.mate_A) <= real(BETWEEN)
         between = (n[LaneInt.BETWEEN][j] != 0) & (not held) & level & (pinch > real(0.0))
         return ti.select(between, int(Mode.BETWEEN), mode), push
 
     @ti.func
-    def level(f: ti.template(), j, x, A, mate):
-        """Put a swimmer between two colloids back to where both are equally near."""
-        r = x + mate
+    def level(x, around):
+        r = x + around.mate
         R, R1 = to.distance(x), to.distance(r)
         across = to.normal(x, R) - to.normal(r, R1)
-        return x - ((R - A - R1 + f[rows.mate_A][j]) / across.dot(across)) * across
+        return x - ((R - around.A - R1 + around.mate_A) / across.dot(across)) * across
+
+    return mode_of, level
+
+
+@cache
+def make_travel(model: Model):
+    """Return `travel(f, n, j, i, swimmers, medium, rules, whole) -> position, director, held, length`.
+
+    It is the longest move up to `whole` that is accurate, and ends just behind the first event in it.
+    """
+    real, rows, get, (_, law_of) = model.real, rows_of(model), make_get(model), make_law(model)
+    stride, (mode_of, level), (switched, passed, is_low) = make_stride(model), make_modes(model), make_passed(model)
+    height_and_slope, to = HardContact.make_height_and_slope(model), make_surface(model)
 
     @ti.func
-    def turns_back(x, e, A, gamma, tau, push0, push1):
+    def turns_back(x, e, A, law, tau, push0, push1):
         """Whether a free swimmer may have dipped into the wall: it came nearer first, and goes away at the end."""
         R = to.distance(x)
-        least, _ = height_and_slope(to.sine(x, e, R), gamma, A)
+        least, _ = height_and_slope(to.sine(x, e, R), law.gamma, A)
         return (push0 > real(0.0)) & (push1 < real(0.0)) & (R - A - least < tau * (push0 - push1))
+
+    @ti.func
+    def shortened(tau, error):
+        """The length to try where `tau` was not accurate, or may have passed a turning point."""
+        shorter = real(0.9) * ti.pow(error, real(-0.125))
+        return tau * ti.select(error > real(1.0), ti.max(real(0.2), ti.min(shorter, real(0.9))), real(0.5))
 
     @ti.func
     def travel(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                rules: ti.template(), whole):  # fmt: skip
-        """The longest move up to `whole` that is accurate, and ends just behind the first event in it."""
-        x0, e0, A, gamma = get(f, rows.x, j), get(f, rows.e, j), f[rows.A][j], f[rows.gamma][j]
-        law = ti.Vector([f[rows.alpha + k][j] for k in ti.static(range(4))])
-        mate = get(f, rows.mate_offset, j)
-        mode, push0 = mode_of(f, n, j, x0, e0, A, mate, law, gamma)
+        x0, e0, law = get(f, rows.x, j), get(f, rows.e, j), law_of(f, j)
+        around = record(A=f[rows.A][j], mate=get(f, rows.mate_offset, j), mate_A=f[rows.mate_A][j])
+        mode, push0 = mode_of(f, n, j, x0, e0, around, law)
         started_low = is_low(f, j, rules, x0, e0)
         x, e, pushed, distance, other = x0, e0, real(0.0), real(0.0), get(f, rows.bound_offset, j)
         low, high, tau = real(0.0), whole, whole
         halvings, going = -1, True  # -1: no event known
         while going:
-            x, e, pushed, distance, grip, error = stride(
-                rules.tableau, x0, e0, other, A, mate, f[rows.mate_A][j], law, gamma, mode, tau
-            )  # fmt: skip
+            x, e, pushed, distance, grip, error = stride(rules.tableau, x0, e0, other, around, law, mode, tau)
             e /= ti.sqrt(e.dot(e))
             long = tau > real(SHORTEST) * rules.dt
             if (halvings < 0) & long & ((not (error <= real(1.0))) | (
-                (mode == int(Mode.FREE)) & turns_back(x, e, A, gamma, tau, push0, grip)
+                (mode == int(Mode.FREE)) & turns_back(x, e, around.A, law, tau, push0, grip)
             )):  # fmt: skip
-                shorter = real(0.9) * ti.pow(error, real(-0.125))
-                tau *= ti.select(error > real(1.0), ti.max(real(0.2), ti.min(shorter, real(0.9))), real(0.5))
+                tau = shortened(tau, error)
                 high = tau
             elif halvings == HALVINGS:
                 going = False
             else:
-                beyond = passed(f, n, j, rules, x, e, mode, started_low, grip)
+                loose = (mode != int(Mode.FREE)) & (grip < real(0.0))
+                beyond = loose | passed(f, n, j, rules, x, e, mode, started_low)
                 far = False
                 if (not beyond) & ((mode != int(Mode.HELD)) | (tau > real(SWITCH) * rules.dt)):
                     far = switched(f, j, i, swimmers, medium, x, e, mode)
@@ -165,8 +178,18 @@ def make_locate(model: Model):
         f[rows.trial_push][j] = ti.select((mode == int(Mode.HELD)) & (n[LaneInt.OWN][j] != 0), pushed, real(0.0))
         f[rows.trial_height][j] = (distance - tau * f[rows.bound_A][j]) / rules.dt
         n[LaneInt.LOW][j] = ti.cast(started_low, ti.i32)
-        x = ti.select(mode == int(Mode.BETWEEN), level(f, j, x, A, mate), x)
+        x = ti.select(mode == int(Mode.BETWEEN), level(x, around), x)
         return x, e, mode == int(Mode.HELD), tau
+
+    return travel
+
+
+@cache
+def make_locate(model: Model):
+    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
+    real, rows, (get, (_, put)) = model.real, rows_of(model), (make_get(model), make_vectors(model))
+    travel, book, to = make_travel(model), make_book(model), make_surface(model)
+    height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
@@ -178,7 +201,7 @@ def make_locate(model: Model):
             x, e, held, tau = travel(f, n, j, i, swimmers, medium, rules, whole)
             A = f[rows.A][j]
             R = to.distance(x)
-            least, _ = height_and_slope(to.sine(x, e, R), f[rows.gamma][j], A)
+            least, _ = height_and_slope(to.sine(x, e, R), f[rows.law.gamma][j], A)
             touch = held | (R - A - least <= real(AT_WALL) * R)
             x = ti.select(touch, to.at(x, R, A + least), x)
             put(f, rows.trial_x, j, x)
@@ -188,7 +211,7 @@ def make_locate(model: Model):
             moved = x - get(f, rows.reference, j)
             within = moved.dot(moved) <= f[rows.budget][j]  # false for a position that is not finite
             n[Int.EVENT][j] |= ti.select(within, 0, int(Event.FINISH))
-            if ti.static(not sphere):  # within its budget a rod is out of contact with every other colloid
+            if ti.static(not model.sphere):  # within its budget a rod is out of contact with every other colloid
                 least = ti.select(n[LaneInt.OWN][j] != 0, least, real(-FAR))
             book(f, n, within, rules, least)
 

@@ -7,11 +7,12 @@ import taichi as ti
 
 from porous_swim.engine.kernel.book import make_book
 from porous_swim.engine.kernel.pairs import make_pair
-from porous_swim.engine.kernel.rows import make_wide, rows_of
+from porous_swim.engine.kernel.rows import make_law, make_wide, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.euler import make_euler
 from porous_swim.physics.model import Model
+from porous_swim.physics.noise import counter
 from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import make_surface
 
@@ -19,10 +20,11 @@ FAR = 1e3  # a
 
 
 @ti.func
-def now(n: ti.template(), rules: ti.template()):
-    """The step of each lane since the start of the run, in two words."""
+def now(n: ti.template(), swimmer, rules: ti.template()):
+    """The counter of each lane's random numbers: its swimmer, and the step since the start of the run."""
     low = ti.cast(n[Int.STEP], ti.u32) + rules.first_low
-    return low, ti.select(low < rules.first_low, ti.u32(1), ti.u32(0)) + rules.first_high
+    high = ti.select(low < rules.first_low, ti.u32(1), ti.u32(0)) + rules.first_high
+    return counter(swimmer, low, high, rules.key0, rules.key1)
 
 
 @cache
@@ -58,7 +60,7 @@ def make_end(model: Model):
 def make_step(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
     real, mates, rows = model.real, model.mates, rows_of(model)
-    whole, put_whole = make_wide(model)
+    (whole, put_whole), (law, _) = make_wide(model), make_law(model)
     integrate, pair, end = make_euler(model), make_pair(model), make_end(model)
     contact_height, to = HardContact.make_height(model), make_surface(model)
 
@@ -78,12 +80,10 @@ def make_step(model: Model):
              rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
         x, A = whole(f, rows.x), f[rows.A]
-        law = [f[rows.alpha + k] for k in ti.static(range(4))]
-        low, high = now(n, rules)
-        dx, e = integrate(x, whole(f, rows.e), A, law, rules.dt, swimmer, low, high, rules.key0, rules.key1)
+        dx, e = integrate(x, whole(f, rows.e), A, law(f), rules.dt, now(n, swimmer, rules))
         y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
         free = rounded(x + y)
-        x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, f[rows.gamma])
+        x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, f[rows.law.gamma])
         f[rows.trial_push] = ti.select(n[LaneInt.OWN] != 0, push, real(0.0))
         put_whole(f, rows.trial_x, x1)
         put_whole(f, rows.trial_rest, rest)

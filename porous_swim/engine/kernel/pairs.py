@@ -54,7 +54,7 @@ def make_pair(model: Model):
     @ti.func
     def part(f: ti.template(), n: ti.template(), least):
         x, e = whole(f, rows.trial_x), whole(f, rows.trial_e)
-        A, A1, gamma, d = f[rows.A], f[rows.mate_A], f[rows.gamma], whole(f, rows.mate_offset)
+        A, A1, gamma, d = f[rows.A], f[rows.mate_A], f[rows.law.gamma], whole(f, rows.mate_offset)
         v1 = x + d
         R1 = to.distance(v1)
         least1, _ = height_and_slope(to.sine(v1, e, R1), gamma, A1)

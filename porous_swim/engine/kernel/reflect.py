@@ -7,7 +7,7 @@ import taichi as ti
 
 from porous_swim.engine.kernel.move import make_end, now
 from porous_swim.engine.kernel.pairs import make_pair
-from porous_swim.engine.kernel.rows import make_wide, rows_of
+from porous_swim.engine.kernel.rows import make_law, make_wide, rows_of
 from porous_swim.engine.kernel.state import Int, LaneInt, Phase
 from porous_swim.physics.bridge import reflection
 from porous_swim.physics.contact import HardContact
@@ -21,14 +21,14 @@ from porous_swim.physics.surface import make_surface
 def make_reflect(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
     real, mates, flights, rows = model.real, model.mates, model.flights, rows_of(model)
-    whole, put_whole = make_wide(model)
+    (whole, put_whole), (law_of, _) = make_wide(model), make_law(model)
     integrate, pair, end = make_reflected(model), make_pair(model), make_end(model)
     contact_height, to = HardContact.make_height(model), make_surface(model)
 
     @ti.func
     def scaled(f: ti.template(), n: ti.template(), x, A, rules: ti.template()):
         """The length of each lane's step, and the law over it: a free swimmer far from all takes several at once."""
-        law = [f[rows.alpha + k] for k in ti.static(range(4))]
+        law = law_of(f)
         if ti.static(not flights):
             return rules.dt, law
         flies = (n[LaneInt.PHASE] == int(Phase.FREE)) & (n[LaneInt.AFTER] == 0)
@@ -36,22 +36,20 @@ def make_reflect(model: Model):
         ticks = ti.cast(rules.flight_ticks, real)
         n[LaneInt.TICKS] = ti.select(far, rules.flight_ticks, 1)
         root = ti.select(far, ti.sqrt(ticks), real(1.0))
-        return ti.select(far, rules.dt * ticks, rules.dt), [law[0], law[1], law[2] * root, law[3] * root]
+        return ti.select(far, rules.dt * ticks, rules.dt), law.but(kick=law.kick * root, turn=law.turn * root)
 
     @ti.func
     def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
-        x, A, gamma = whole(f, rows.x), f[rows.A], f[rows.gamma]
+        x, A = whole(f, rows.x), f[rows.A]
         dt, law = scaled(f, n, x, A, rules)
-        low, high = now(n, rules)
-        dx, e, gap0, variance, deep, aside = integrate(
-            x, whole(f, rows.e), A, law, gamma, dt, swimmer, low, high, rules.key0, rules.key1
-        )
+        at = now(n, swimmer, rules)
+        dx, e, gap0, variance, deep, aside = integrate(x, whole(f, rows.e), A, law, dt, at)
         y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
         free = rounded(x + y)
         R = to.distance(free)
-        least = contact_height(to.sine(free, e, R), gamma, A)
+        least = contact_height(to.sine(free, e, R), law.gamma, A)
         push = reflection(gap0, rounded(R - A - least), variance, deep)
         z = to.along(free, R, push) + (y - (free - x))
         x1 = rounded(free + z)

@@ -28,9 +28,13 @@ def make_project(model: Model):
         return c + to.at(v, to.distance(v), radius)
 
     @ti.func
-    def on_circle(y, e, c, radius, A, c1, radius1, A1, gamma):
-        """The point of both near y; on the first one where they do not meet. `radius` is that of contact at y."""
-        d = c1 - c
+    def on_circle(y, e, one, other, gamma):
+        """The point of both near y; on the first one where they do not meet.
+
+        Each has its `center`, its radius `A`, and the radius `reach` of contact at y.
+        """
+        c, radius, radius1 = one.center, one.reach, other.reach
+        d = other.center - c
         z = on_sphere(y, c, radius).variable()
         if ti.static(model.sphere):
             rho = d.dot(d)
@@ -42,7 +46,7 @@ def make_project(model: Model):
             if (square > real(0.0)) & (out > real(0.0)):
                 z = c + d * a + across * ti.sqrt(ti.max(square, real(0.0)) / out)
         elif ti.static(model.surface == "sphere"):
-            v, meets = wedge.corner(y - c, e, d, A, A1, gamma)
+            v, meets = wedge.corner(y - c, e, d, one.A, other.A, gamma)
             if meets:
                 z = c + v
         return z
@@ -52,15 +56,16 @@ def make_project(model: Model):
 
 @cache
 def make_resolve(model: Model):
-    """Return `resolve(medium, k, image, y, y_old, e, gamma, tolerance, b, image_b) -> position, found, held`.
+    """Return `resolve(medium, near, bound, y, y_old, e, gamma, tolerance) -> position, found, held`.
 
-    `y` is an offset from image `image` of colloid k. While the swimmer reaches into a colloid by more than the
-    tolerance it is put on that colloid's contact surface, or, when it goes back and forth between two, where both
-    surfaces meet. What this does not settle (pockets of three and more) is put a little further out, and further each
-    time. Where that fails, too, no place is found and the swimmer stays at `y_old`. The director is never touched.
+    `near` and `bound` are colloids (`k` and `image`); `y` is an offset from the first. While the swimmer reaches into a
+    colloid by more than the tolerance it is put on that colloid's contact surface, or, when it goes back and forth
+    between two, where both surfaces meet. What this does not settle (pockets of three and more) is put a little further
+    out, and further each time. Where that fails, too, no place is found and the swimmer stays at `y_old`. The director
+    is never touched.
 
     `found` is the result of the search there. `held` names the last two colloids that pushed (-1: none) and tells how
-    far each did along its normal, and colloid b, too; and whether the swimmer is `jammed`: no place was found.
+    far each did along its normal, and colloid `bound`, too; and whether the swimmer is `jammed`: no place was found.
     """
     real, between, search = model.real, make_between(model), make_search(model)
     on_sphere, on_circle = make_project(model)
@@ -75,11 +80,11 @@ def make_resolve(model: Model):
         )  # fmt: skip
 
     @ti.func
-    def book(held, j, image_j, back, push, push_other, b, image_b):
+    def book(held, j, image_j, back, push, push_other, bound):
         """Note how far j pushed, and the colloid before it, too, where both did."""
         again = same(j, image_j, held.last, held.last_image)
-        own = ti.select(same(j, image_j, b, image_b), push, real(0.0))
-        own += ti.select(same(held.last, held.last_image, b, image_b), push_other, real(0.0))
+        own = ti.select(same(j, image_j, bound.k, bound.image), push, real(0.0))
+        own += ti.select(same(held.last, held.last_image, bound.k, bound.image), push_other, real(0.0))
         held.own += own
         mine = ti.select(again, held.push, ti.select(back, held.push_before, real(0.0))) + push
         if not again:
@@ -87,22 +92,23 @@ def make_resolve(model: Model):
         held.last, held.last_image, held.push = j, image_j, mine
 
     @ti.func
-    def resolve(medium: ti.template(), k, image, y_trial, y_old, e, gamma, tolerance, b, image_b):
+    def resolve(medium: ti.template(), near, bound, y_trial, y_old, e, gamma, tolerance):
         y, held, found = y_trial.variable(), none(), search.empty()
-        c1, A1, radius1 = (y * real(0.0)).variable(), real(0.0), real(0.0)  # of the colloid that pushed last
+        before = record(center=y * real(0.0), A=real(0.0), reach=real(0.0))  # the colloid that pushed last
         tries, inside, extra = 0, True, real(0.0)
         while inside:
-            found = search.run(medium, k, image, y, e, gamma)
+            found = search.run(medium, near.k, near.image, y, e, gamma)
             inside = (found.depth > tolerance) & (held.jammed == 0)
             if inside & (tries < MAX_PROJECTIONS + MAX_DOUBLINGS):
                 j, image_j = found.deep, found.deep_image
-                c = between(medium, k, image, j, image_j)
+                c = between(medium, near.k, near.image, j, image_j)
                 v, A = y - c, medium.radius[j]
                 radius = A + contact_height(to.sine(v, e, to.distance(v)), gamma, A)
+                now = record(center=c, A=A, reach=radius)
                 back = same(j, image_j, held.before, held.before_image)
                 push_other, z = real(0.0), y.variable()
                 if back & (tries < MAX_PROJECTIONS):
-                    z = on_circle(y, e, c, radius, A, c1, radius1, A1, gamma)
+                    z = on_circle(y, e, now, before, gamma)
                 else:
                     extra = ti.select(tries < MAX_PROJECTIONS, extra, ti.max(tolerance, extra * real(2.0)))
                     z = on_sphere(y, c, radius + extra)
@@ -110,9 +116,9 @@ def make_resolve(model: Model):
                 push = to.sine(r, moved, to.distance(r))
                 if ti.static(model.surface == "sphere"):  # noqa: SIM102 (known while compiling)
                     if back & (tries < MAX_PROJECTIONS):
-                        push, push_other = wedge.pushes(moved, r, z - c1)
-                book(held, j, image_j, back, push, push_other, b, image_b)
-                y, c1, A1, radius1 = z, c, A, radius
+                        push, push_other = wedge.pushes(moved, r, z - before.center)
+                book(held, j, image_j, back, push, push_other, bound)
+                y, before = z, now
                 tries += 1
             elif inside:
                 y, held = y_old, none()

@@ -7,13 +7,14 @@ from types import SimpleNamespace
 import taichi as ti
 
 from porous_swim.engine.kernel.state import real_rows
+from porous_swim.physics.law import make_named
 from porous_swim.physics.model import Model
-from porous_swim.physics.vectors import vec
+from porous_swim.physics.vectors import for_kernels, lane_of, vec
 
 
 def rows_of(model: Model) -> SimpleNamespace:
     """Row numbers of the real arrays: see `state.real_rows`."""
-    return real_rows(model.dimensions, located=model.located)
+    return real_rows(model.dimensions, located=model.located, numbers=model.numbers)
 
 
 @ti.func
@@ -61,3 +62,19 @@ def make_wide(model: Model):
             f[row + d] = v[d]
 
     return whole, put_whole
+
+
+@cache
+def make_law(model: Model):
+    """Return `law(f)` and `law_of_lane(f, j)`: the numbers of the swimmers in all lanes by name, or in one."""
+    named, rows = make_named(model), vars(rows_of(model).law).values()
+
+    @for_kernels
+    def law(f):
+        return named(*[f[row] for row in rows])
+
+    @for_kernels
+    def law_of_lane(f, j):
+        return named(*[lane_of(f[row], j) for row in rows])
+
+    return law, law_of_lane

@@ -109,25 +109,15 @@ def clock_of_events(integrator: str) -> float | None:
     return {"euler": 0.0, "reflected": MIDDLE, "located": None}[integrator]
 
 
-class Law(IntEnum):
-    """Columns of the table of parameter sets."""
-
-    ALPHA = 0
-    BRETHERTON = 1
-    KICK = 2  # sqrt(2 D dt)
-    TURN = 3  # sqrt(2 D_r dt)
-    GAMMA = 4
-    ESCAPE_SINE = 5  # of the escape pitch; above 1: never; below -1: the lift-off pitch of each colloid
-
-
 @cache
-def real_rows(dimensions: int, *, located: bool) -> SimpleNamespace:
+def real_rows(dimensions: int, *, located: bool, numbers: tuple[str, ...] = ()) -> SimpleNamespace:
     """Row numbers of the real arrays; `x` names the first of `dimensions` rows.
 
     The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
     in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
     `clock` is the part of the present step that is behind a swimmer, and `*_clock` what a number of whole steps
-    lacks: rows of their own where events are located; else see `clock_of_events`.
+    lacks: rows of their own where events are located; else see `clock_of_events`. `law` has the rows of the swimmer's
+    `numbers`, in the lanes only.
     """
     rows = SimpleNamespace()
 
@@ -149,10 +139,12 @@ def real_rows(dimensions: int, *, located: bool) -> SimpleNamespace:
         f"min_height max_height release_sine release_winding contact_clock{clocks}",
     )
     rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
-    rows.n_lanes = number(
+    first_number = number(
         rows.n_shared,
         "bound_offset mate_offset trial_x trial_rest trial_e",
-        "A bound_A mate_A alpha bretherton kick turn gamma escape_sine trial_push trial_clock trial_height "
+        "A bound_A mate_A trial_push trial_clock trial_height "
         "height_excursion pitch_excursion" + ("" if located else " clock"),
     )
+    rows.law = SimpleNamespace(**{name: first_number + k for k, name in enumerate(numbers)})
+    rows.n_lanes = first_number + len(numbers)
     return rows

@@ -15,7 +15,7 @@ import taichi as ti
 
 from porous_swim.engine.backend import check_alive
 from porous_swim.engine.kernel.rows import rows_of
-from porous_swim.engine.kernel.state import PHASE_BIT, Int, Law, Phase
+from porous_swim.engine.kernel.state import PHASE_BIT, Int, Phase
 from porous_swim.engine.kernel.swimmers import Swimmers, image_of, set_of
 from porous_swim.engine.medium import on_device
 from porous_swim.engine.transfer import on_host
@@ -61,33 +61,50 @@ class Groups:
 
 
 @cache
+def make_vector(model: Model):
+    """Return `vector(table, row, i)`, a vector of swimmer i in memory."""
+    dimensions = model.dimensions
+
+    @ti.func
+    def vector(table: ti.template(), row: ti.template(), i):
+        return vec(*[table[row + d, i] for d in ti.static(range(dimensions))])
+
+    return vector
+
+
+@cache
+def make_stance(model: Model):
+    """Return `stance(swimmers, medium, i, band)`: whether swimmer i is bound, and whether in contact; as numbers."""
+    real, rows, column = model.real, rows_of(model), model.numbers.index("gamma")
+    contact_height, between, to = HardContact.make_height(model), make_between(model), make_surface(model)
+    vector = make_vector(model)
+
+    @ti.func
+    def stance(swimmers: ti.template(), medium: ti.template(), i, band):
+        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
+        k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
+        bound, low = swimmers.int[int(Int.EVENT), i] >> PHASE_BIT == int(Phase.BOUND), False
+        if bound:
+            r = vector(swimmers.real, rows.x, i) + between(medium, b, image_b, k, image)
+            R = to.distance(r)
+            gamma = swimmers.law[set_of(swimmers, i), column]
+            least = contact_height(to.sine(r, vector(swimmers.real, rows.e, i), R), gamma, medium.radius[b])
+            low = R - medium.radius[b] - least <= band
+        return ti.cast(bound, real), ti.cast(low, real)
+
+    return stance
+
+
+@cache
 def make_survey(model: Model):
     """Compile `survey(...)`, which sums over groups, level by level; `renew` makes the present the origin of a level.
 
     Levels are bits of `due` and `renew`; sums have a row for each level and group.
     """
     real, dimensions, rows = model.real, model.dimensions, rows_of(model)
-    contact_height, between, to = HardContact.make_height(model), make_between(model), make_surface(model)
+    between, vector, stance = make_between(model), make_vector(model), make_stance(model)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
     real_row = ti.types.ndarray(real, ndim=1)
-
-    @ti.func
-    def vector(table: ti.template(), row: ti.template(), i):
-        return vec(*[table[row + d, i] for d in ti.static(range(dimensions))])
-
-    @ti.func
-    def stance(state: ti.template(), law: ti.template(), swimmers: ti.template(), medium: ti.template(), i, band):
-        """Whether swimmer i is bound, and whether it is in contact; as numbers."""
-        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
-        k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        bound, low = swimmers.int[int(Int.EVENT), i] >> PHASE_BIT == int(Phase.BOUND), False
-        if bound:
-            r = vector(state, rows.x, i) + between(medium, b, image_b, k, image)
-            R = to.distance(r)
-            gamma = law[set_of(swimmers, i), int(Law.GAMMA)]
-            least = contact_height(to.sine(r, vector(state, rows.e, i), R), gamma, medium.radius[b])
-            low = R - medium.radius[b] - least <= band
-        return ti.cast(bound, real), ti.cast(low, real)
 
     @ti.func
     def begin(
@@ -116,7 +133,7 @@ def make_survey(model: Model):
                 for i in range(g * size, ti.min((g + 1) * size, state.shape[1])):
                     bound, low = real(0.0), real(0.0)
                     if level == 0:  # enough to know it once a look
-                        bound, low = stance(state, law, swimmers, medium, i, band)
+                        bound, low = stance(swimmers, medium, i, band)
                     k, image = state_int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
                     k0 = origin_int[4 * level, i]
                     image0 = vec(*[origin_int[4 * level + 1 + d, i] for d in ti.static(range(3))])

@@ -20,7 +20,7 @@ class Swimmers(NamedTuple):
     real: Any  # (n_memory, n_swimmers)
     int: Any  # (n_ints, n_swimmers) i32
     long: Any  # (len(Long), n_swimmers) i64
-    law: Any  # (n_sets, len(Law)) real
+    law: Any  # (n_sets, len(model.numbers)) real, the table of parameter sets
     total: Any  # (len(Total),) i64
 
 
