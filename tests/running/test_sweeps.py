@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -93,13 +94,16 @@ def test_sets_that_do_not_fit_into_memory_and_devices_that_are_not_here_are_name
 
 def test_a_run_that_fails_leaves_its_error_in_place_and_the_others_go_on(scene, tmp_path, monkeypatch):
     # one set gets a drift that single precision cannot hold, which no scene may ask for: its first step is no number
-    laws, strong = simulation.laws_of, {"swimmers.dipole_strength": 2.0, "swimmers.count": 20}
+    dynamics, strong = simulation.dynamics_of, {"swimmers.dipole_strength": 2.0, "swimmers.count": 20}
 
-    def of(each: ps.Scene):
-        factor = 1e35 if each.swimmers.dipole_strength == 2.0 else 1.0
-        return replace(laws(each), dipole_strength=laws(each).dipole_strength * factor)
+    def of(scenes: Sequence[ps.Scene]):
+        found = dynamics(scenes)
+        factor = 1e35 if scenes[0].swimmers.dipole_strength == 2.0 else 1.0
+        strengths = np.array(found.parameters.names) == "alpha"
+        table = found.parameters.table * np.where(strengths, factor, 1.0)
+        return replace(found, parameters=replace(found.parameters, table=table))
 
-    monkeypatch.setattr(simulation, "laws_of", of)
+    monkeypatch.setattr(simulation, "dynamics_of", of)
     first, failed, last = ps.sweep(scene, [SETS[0], strong, SETS[1]], out=tmp_path / "sweep", recording=False)
     assert [results.info.n_swimmers for results in (first, last)] == [20, 30]
     assert isinstance(failed, ps.FailedRun)

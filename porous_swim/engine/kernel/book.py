@@ -9,98 +9,23 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.engine.kernel.record import make_record
 from porous_swim.engine.kernel.rows import make_wide, rows_of
 from porous_swim.engine.kernel.state import MIDDLE, Event, Int, LaneInt, Phase
+from porous_swim.engine.kernel.winding import make_winding
 from porous_swim.physics.bridge import crosses
 from porous_swim.physics.model import Model
-from porous_swim.physics.rounding import rounded
 from porous_swim.physics.surface import make_surface
-from porous_swim.physics.vectors import pick
-
-TWO_PI = 6.283185307179586
-
-
-@ti.func
-def add(f: ti.template(), row: ti.template(), on, value):
-    """Add `value` to a sum in the lanes `on`; the next row keeps what the rounding left (Kahan)."""
-    total, rest = f[row], f[row + 1]
-    y = value + rest
-    t = rounded(total + y)
-    f[row] = ti.select(on, t, total)
-    f[row + 1] = ti.select(on, y - (t - total), rest)
+from porous_swim.physics.vectors import pick, record
 
 
 @cache
-def make_turns(model: Model):
-    """Return `turns(r0, r1, e)`: the winding of a step along the director, and its angle about +z, in turns."""
-    real, dimensions = model.real, model.dimensions
-
-    @ti.func
-    def turns(r0, r1, e):
-        # (t.dx)/R with t the unit tangential part of the director, R the distance, both at the start of the step
-        rho, s, dx = r0.dot(r0), r0.dot(e), r1 - r0
-        t = e - r0 * (s / rho)  # from its own components: 1 - s^2/rho would cancel where e points at the centre
-        along = t.dot(dx) / ti.sqrt(ti.max(rho * t.dot(t), real(1e-30)))
-        if ti.static(dimensions != 2):
-            return along * real(1 / TWO_PI), real(0.0)
-        # arcsin as a series: below 1e-9 at 0.1 rad
-        c = (r0[0] * r1[1] - r0[1] * r1[0]) / ti.sqrt(rho * r1.dot(r1))
-        q = c * c
-        angle = rounded(c * (real(1.0) + q * (real(1 / 6) + q * (real(3 / 40) + q * real(15 / 336)))))
-        return along * real(1 / TWO_PI), angle * real(1 / TWO_PI)
-
-    return turns
-
-
-@cache
-def make_swept(model: Model):
-    """Return `swept(r0, r1, e)`: like `turns`, for a smooth path: the winding is the angle swept, exactly."""
-    real, turns = model.real, make_turns(model)
-
-    @ti.func
-    def swept(r0, r1, e):
-        along, angle = turns(r0, r1, e)
-        chord = r1 / ti.sqrt(r1.dot(r1)) - r0 / ti.sqrt(r0.dot(r0))
-        turn = real(2.0) * ti.asin(ti.min(real(0.5) * ti.sqrt(chord.dot(chord)), real(1.0)))
-        return ti.select(along < real(0.0), turn * real(-1.0), turn) * real(1 / TWO_PI), angle
-
-    return swept
-
-
-@cache
-def make_unwound(model: Model):
-    """Return `unwound(r0, r1, e)` in place of `turns` at a plane wall, around which nobody winds."""
-    real = model.real
-
-    @ti.func
-    def unwound(r0, r1, e):
-        return real(0.0), real(0.0)
-
-    return unwound
-
-
-def make_winding(model: Model):
-    """Return `turns` as the model needs it."""
-    if model.surface == "plane":
-        return make_unwound(model)
-    return make_swept(model) if model.located else make_turns(model)
-
-
-@cache
-def make_book(model: Model):
-    """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
-
-    A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
-    of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
-    """
-    real, dimensions, located, reflected = model.real, model.dimensions, model.located, model.reflected
-    rows, flights = rows_of(model), model.flights
-    whole, put_whole = make_wide(model)
-    turns, to = make_winding(model), make_surface(model)
+def make_tick(model: Model):
+    """Return `tick(f, n, on, rules)`, which sets the clock forward."""
+    real, located, reflected, flights, rows = model.real, model.located, model.reflected, model.flights, rows_of(model)
 
     @ti.func
     def tick(f: ti.template(), n: ti.template(), on, rules: ti.template()):
-        """Set the clock forward."""
         if ti.static(located):
             ends = f[rows.trial_clock] >= real(1.0)
             clock = ti.select(ends, real(0.0), f[rows.trial_clock])
@@ -116,33 +41,85 @@ def make_book(model: Model):
         if ti.static(reflected):
             f[rows.clock] = ti.select(on, real(MIDDLE), f[rows.clock])
 
+    return tick
+
+
+@cache
+def make_release(model: Model):
+    """Return `stay(f, n, on, low)` and `release(f, n, touched, values)`: times in contact, and of the last touch."""
+    real, located, rows, (_, hold, _) = model.real, model.located, rows_of(model), make_record(model)
+
     @ti.func
-    def weigh(f: ti.template(), n: ti.template(), on, h, low, left):
-        """Add the height and the time in contact, in steps."""
+    def stay(f: ti.template(), n: ti.template(), on, low):
+        """Add the time in contact, in steps."""
         if ti.static(located):
             part = f[rows.trial_clock] - f[rows.clock]
-            add(f, rows.height, on, f[rows.trial_height])
             in_contact = on & (n[LaneInt.LOW] != 0)
             f[rows.contact_clock] = f[rows.contact_clock] + ti.select(in_contact, part, real(0.0))
         else:
-            if ti.static(reflected):  # the encounter ended in the middle of the step
-                add(f, rows.height, on, h * ti.select(left, real(1.0 + MIDDLE), real(1.0)))
-            else:
-                add(f, rows.height, on, h)
             n[LaneInt.N_CONTACT] = n[LaneInt.N_CONTACT] + ti.select(on & low, 1, 0)
 
     @ti.func
-    def hold(f: ti.template(), n: ti.template(), at_wall, s, winding):
-        """Note when and where the wall was last touched: at which sine of the pitch, after which winding."""
+    def release(f: ti.template(), n: ti.template(), touched, values: ti.template()):
+        """Note when the wall was last touched, and what is recorded of that touch."""
         after = n[Int.STEP] + 1
         if ti.static(located):
             ends = f[rows.trial_clock] >= real(1.0)
             clock = ti.select(ends, real(0.0), f[rows.trial_clock])
             after = ti.select(ends, after, after - 1)
-            f[rows.release_clock] = ti.select(at_wall, clock, f[rows.release_clock])
-        n[LaneInt.RELEASE] = ti.select(at_wall, after, n[LaneInt.RELEASE])
-        f[rows.release_sine] = ti.select(at_wall, s, f[rows.release_sine])
-        f[rows.release_winding] = ti.select(at_wall, winding, f[rows.release_winding])
+            f[rows.release_clock] = ti.select(touched, clock, f[rows.release_clock])
+        n[LaneInt.RELEASE] = ti.select(touched, after, n[LaneInt.RELEASE])
+        hold(f, touched, values)
+
+    return stay, release
+
+
+@cache
+def make_keep(model: Model):
+    """Return `keep(f, n, on, rules, step, left)`, which adds a step to the record of the encounter under way.
+
+    By the names of its rows. `step` has offsets r0 and r1 from the colloid before and after it, the director e0 before,
+    the sines s0 and s, the height h and contact height `least` after it; `left` says whether it ends the encounter.
+    """
+    real, located, reflected, rows = model.real, model.located, model.reflected, rows_of(model)
+    turns, (gather, _, _), (stay, release) = make_winding(model), make_record(model), make_release(model)
+
+    @ti.func
+    def over_time(f: ti.template(), h, left):
+        """The height, integrated over the step."""
+        if ti.static(located):
+            return f[rows.trial_height]
+        if ti.static(reflected):  # the encounter ended in the middle of the step
+            return h * ti.select(left, real(1.0 + MIDDLE), real(1.0))
+        return h
+
+    @ti.func
+    def keep(f: ti.template(), n: ti.template(), on, rules: ti.template(), step, left):
+        along, angle = turns(step.r0, step.r1, step.e0)
+        h = step.h
+        gather(
+            f, on,
+            {"push": f[rows.trial_push], "winding": along, "signed": angle, "min_height": h,
+             "height": over_time(f, h, left), "max_height": h},
+        )  # fmt: skip
+        above = h - step.least
+        low = above <= ti.max(rules.contact_band, rules.tolerance)
+        stay(f, n, on, low)
+        rounding = above <= ti.min(rules.tolerance, rules.margin)
+        if ti.static(reflected):  # in the middle of the step, as all that happens in it
+            touched = on & (rounding | (f[rows.trial_push] > real(0.0)))
+            winding = f[rows.winding] + real(MIDDLE) * along
+            release(f, n, touched, {"release_sine": real(0.5) * (step.s0 + step.s), "release_winding": winding})
+        else:
+            release(f, n, on & rounding, {"release_sine": step.s, "release_winding": f[rows.winding]})
+
+    return keep
+
+
+@cache
+def make_bridge(model: Model):
+    """Return `crossings(f, rules, r0, e0, h, s)` and `press(f, bound, free, least)`, between walls that reflect."""
+    real, rows, to = model.real, rows_of(model), make_surface(model)
 
     @ti.func
     def crossings(f: ti.template(), rules: ti.template(), r0, e0, h, s):
@@ -162,25 +139,19 @@ def make_book(model: Model):
         f[rows.min_height] = ti.select(bound & (push > real(0.0)), lowest, f[rows.min_height])
         f[rows.push] = ti.select(free, push, f[rows.push])
 
-    @ti.func
-    def record(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, r0, r1, e0, h, s0, s, left):
-        """Add the step to the record of the encounter under way; its sines are s0 and s."""
-        along, angle = turns(r0, r1, e0)
-        add(f, rows.winding, on, along)
-        if ti.static(dimensions == 2):
-            add(f, rows.signed, on, angle)
-        add(f, rows.push, on, f[rows.trial_push])
-        f[rows.min_height] = ti.select(on, ti.min(h, f[rows.min_height]), f[rows.min_height])
-        f[rows.max_height] = ti.select(on, ti.max(h, f[rows.max_height]), f[rows.max_height])
-        above = h - least
-        low = above <= ti.max(rules.contact_band, rules.tolerance)
-        weigh(f, n, on, h, low, left)
-        rounding = above <= ti.min(rules.tolerance, rules.margin)
-        if ti.static(reflected):  # in the middle of the step, as all that happens in it
-            touched = on & (rounding | (f[rows.trial_push] > real(0.0)))
-            hold(f, n, touched, real(0.5) * (s0 + s), f[rows.winding] + real(MIDDLE) * along)
-        else:
-            hold(f, n, on & rounding, s, f[rows.winding])
+    return crossings, press
+
+
+@cache
+def make_book(model: Model):
+    """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
+
+    A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
+    of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
+    """
+    reflected, rows, (whole, put_whole) = model.reflected, rows_of(model), make_wide(model)
+    tick, keep, (crossings, press) = make_tick(model), make_keep(model), make_bridge(model)
+    to = make_surface(model)
 
     @ti.func
     def book(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
@@ -196,7 +167,8 @@ def make_book(model: Model):
         if ti.static(reflected):
             crossed_height, crossed_pitch, s0 = crossings(f, rules, r0, e0, h, s)
             left, passed = left | crossed_height, passed | crossed_pitch
-        record(f, n, bound, rules, least, r0, r1, e0, h, s0, s, left)
+        step = record(r0=r0, r1=r1, e0=e0, h=h, s0=s0, s=s, least=least)
+        keep(f, n, bound, rules, step, left)
         if ti.static(reflected):
             press(f, bound, free, least)
         touch = on & (n[LaneInt.TOUCH] != 0) & (n[LaneInt.WATCH_CONTACT] != 0)

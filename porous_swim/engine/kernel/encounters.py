@@ -6,6 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.log import make_log
+from porous_swim.engine.kernel.record import make_record
 from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Long, Phase, Total
 from porous_swim.engine.kernel.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
@@ -119,7 +120,7 @@ def make_capture(model: Model):
     real, dimensions, reflected, located = model.real, model.dimensions, model.reflected, model.located
     rows, (get, _) = rows_of(model), make_vectors(model)
     contact_height, threshold_at = HardContact.make_rolled_height(model), make_threshold(model)
-    between, to = make_between(model), make_surface(model)
+    between, to, (_, _, clear) = make_between(model), make_surface(model), make_record(model)
 
     @ti.func
     def count(i, swimmers: ti.template(), k, image):
@@ -154,12 +155,11 @@ def make_capture(model: Model):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
         push = ti.select(struck, f[rows.push][j], real(0.0))
-        for row in ti.static(range(rows.winding, rows.min_height)):
-            f[row][j] = real(0.0)
+        clear(f, j)
         f[rows.min_height][j], f[rows.max_height][j] = h, h
         threshold = threshold_at(swimmers, medium, i, k, f[rows.law.alpha][j], f[rows.law.gamma][j])
         f[rows.law.escape_sine][j] = threshold
-        f[rows.release_sine][j], f[rows.release_winding][j] = s, real(0.0)
+        f[rows.release_sine][j] = s
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
         step = rules.first + n[Int.STEP][j]
         swimmers.long[int(Long.START), i] = step
