@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 import taichi as ti
 
+from porous_swim.core.registry import parts_of
 from porous_swim.engine import backend
 from porous_swim.engine.medium import on_device
 from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
-from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
+from porous_swim.physics.hydrodynamics import Flow
 from porous_swim.physics.surface import Surface
 from porous_swim.physics.vectors import vec
 
-HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
 PRECISIONS = {"f32": (ti.f32, np.float32), "f64": (ti.f64, np.float64)}
 
 
@@ -49,8 +49,9 @@ def _height_kernel(shape):
 
 def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodynamics, precision):
     """Velocity and director rate (n, 3), with the Bretherton constant given; see `drift`."""
-    if hydrodynamics not in HYDRODYNAMICS:
-        raise ValueError(f"hydrodynamics: expected one of {', '.join(HYDRODYNAMICS)}, found {hydrodynamics!r}")
+    flows = parts_of(Flow)
+    if hydrodynamics not in flows:
+        raise ValueError(f"hydrodynamics: expected one of {', '.join(flows)}, found {hydrodynamics!r}")
     if precision not in PRECISIONS:
         raise ValueError(f"precision: expected f32 or f64, found {precision!r}")
     backend.ensure_any()
@@ -69,7 +70,7 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
         arrays = [on_device(np.array(a, dtype=dtype)) for a in (offset, turned, A[rows])]
         results = [on_device(np.zeros(offset.shape, dtype)) for _ in range(2)]
         surface: Surface = "plane" if A[rows[0]] == np.inf else "sphere"
-        _drift_kernel(HYDRODYNAMICS[hydrodynamics], real, surface)(*arrays, dipole_strength, bretherton, *results)
+        _drift_kernel(flows[hydrodynamics], real, surface)(*arrays, dipole_strength, bretherton, *results)
         velocity[rows], rate[rows] = ((array.to_numpy()[:, None] @ axes)[:, 0] for array in results)
     return velocity, rate
 
@@ -97,7 +98,7 @@ def drift(
         radius: of the sphere, a; a number or (n,); infinite for a plane wall, exactly.
         dipole_strength: alpha.
         aspect_ratio: gamma in (0, 1].
-        hydrodynamics: `image_dipole`, `near_wall` or `none`.
+        hydrodynamics: `image_dipole`, `near_wall`, `none`, or the kind of a flow that was registered.
         precision: `f64` or `f32`.
 
     Returns:

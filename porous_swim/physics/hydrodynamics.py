@@ -10,7 +10,8 @@ from typing import Literal
 
 import taichi as ti
 
-from porous_swim.core.parts import Part
+from porous_swim.core.registry import add
+from porous_swim.physics.flow import Flow as Flow  # with those below
 from porous_swim.physics.surface import Surface, make_surface
 
 
@@ -37,7 +38,7 @@ def make_plane_drift(real):
     return drift
 
 
-class NoHydrodynamics(Part):
+class NoHydrodynamics(Flow):
     """A swimmer that feels no flow: it swims, turns by noise, and is stopped by walls."""
 
     kind: Literal["none"] = "none"
@@ -54,7 +55,7 @@ class NoHydrodynamics(Part):
         return drift
 
 
-class ImageDipole(Part):
+class ImageDipole(Flow):
     """The flow that the nearest colloid reflects: the exact image of a force dipole at a no-slip sphere."""
 
     kind: Literal["image_dipole"] = "image_dipole"
@@ -90,7 +91,7 @@ class ImageDipole(Part):
         return drift
 
 
-class NearWall(Part):
+class NearWall(Flow):
     """The paper's reduced model: the image flow to leading order in height over radius, as if the wall were plane."""
 
     kind: Literal["near_wall"] = "near_wall"
@@ -125,4 +126,4 @@ class NearWall(Part):
         return drift
 
 
-Hydrodynamics = NoHydrodynamics | ImageDipole | NearWall
+add(NoHydrodynamics, ImageDipole, NearWall)

@@ -10,7 +10,8 @@ from typing import Any, Literal, get_args, get_origin
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
-from porous_swim.core.parts import Part, Unit, models_in, tag_of
+from porous_swim.core.parts import Part, Unit
+from porous_swim.core.registry import models_in, skip_plugins, tag_of
 from porous_swim.scene.scene import Scene
 
 SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
@@ -177,4 +178,5 @@ def _default(field: FieldInfo) -> str:
 
 
 if __name__ == "__main__":
+    skip_plugins()
     write()
