@@ -127,7 +127,7 @@ def _allowed(field: FieldInfo) -> str:
         return ", ".join(f"`{value}`" for _, value in tags) if tags else "a map"
     words = [f"`{value}`" for value in _literals(field.annotation)]
     text = _types(field.annotation)
-    bounds = _bounds(_metadata(field))
+    bounds = bounds_of(field)
     return ", ".join(part for part in (f"{text} {bounds}".strip(), *words) if part)
 
 
@@ -149,10 +149,11 @@ def _types(annotation: Any) -> str:
     return next((member for member in members if member), "")
 
 
-def _bounds(metadata: list[Any]) -> str:
+def bounds_of(field: FieldInfo) -> str:
+    """Return what a number may be, such as `>= 0 and <= 1`; empty where it has no bounds."""
     signs = {Gt: ("> {}", "gt"), Ge: (">= {}", "ge"), Lt: ("< {}", "lt"), Le: ("<= {}", "le")}
     found = []
-    for item in metadata:
+    for item in _metadata(field):
         if type(item) in signs:
             sign, name = signs[type(item)]
             found.append(sign.format(_number(getattr(item, name))))

@@ -216,3 +216,15 @@ def test_what_is_no_part_is_not_registered(twin: type[Twin]) -> None:
     ):
         with pytest.raises(error, match=message):
             ps.register(part)
+
+
+def test_parts_of_a_plugin_pass_the_checks_that_ours_pass(installed: Path, tmp_path: Path) -> None:
+    code = """
+import porous_swim.testing as testing
+testing.check_layout({"layout": "ring", "radius": 2.0, "ring_radius": 9.0, "count": 9})
+testing.check_release({"kind": "start_line", "length": 12.0})
+testing.check_flow("attraction")
+print("passed")
+"""
+    done = run_with(installed, "-c", code, cwd=tmp_path)
+    assert (done.returncode, done.stdout.splitlines()[-1:]) == (0, ["passed"]), done.stderr
