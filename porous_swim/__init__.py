@@ -19,20 +19,29 @@ if TYPE_CHECKING:
     __version__: str
     from porous_swim import analysis, theory
     from porous_swim.core.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
+    from porous_swim.core.parts import Part
     from porous_swim.engine.probe import contact_height, drift
+    from porous_swim.obstacles.base import Layout
+    from porous_swim.physics.flow import Flow
     from porous_swim.reporting.write import report
     from porous_swim.results.loading import load_results
     from porous_swim.results.results import Results
     from porous_swim.running.run import run
     from porous_swim.running.simulation import Simulation
     from porous_swim.running.sweeps import FailedRun, sweep
+    from porous_swim.scene.parts import register
     from porous_swim.scene.scene import Scene, load_scene
+    from porous_swim.swimmers.base import Release
     from porous_swim.theory.flow_field import flow_field
 
 __all__ = [
     "DeviceError",
     "FailedRun",
+    "Flow",
+    "Layout",
+    "Part",
     "PorousSwimError",
+    "Release",
     "Results",
     "ResultsError",
     "RunError",
@@ -46,6 +55,7 @@ __all__ = [
     "flow_field",
     "load_results",
     "load_scene",
+    "register",
     "report",
     "run",
     "sweep",
@@ -55,6 +65,11 @@ __all__ = [
 _HOME = {
     "theory.flow_field": ("flow_field",),
     "core.errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
+    "core.parts": ("Part",),
+    "obstacles.base": ("Layout",),
+    "physics.flow": ("Flow",),
+    "swimmers.base": ("Release",),
+    "scene.parts": ("register",),
     "reporting.write": ("report",),
     "results.results": ("Results",),
     "results.loading": ("load_results",),
@@ -64,6 +79,7 @@ _HOME = {
     "running.sweeps": ("FailedRun", "sweep"),
     "engine.probe": ("contact_height", "drift"),
 }
+_MODULES = {"analysis": "analysis", "theory": "theory"}
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 
 
@@ -72,10 +88,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("porous_swim")
-    if name == "analysis":
-        return import_module("porous_swim.analysis")
-    if name == "theory":
-        return import_module("porous_swim.theory")
+    if name in _MODULES:
+        return import_module(f"porous_swim.{_MODULES[name]}")
     if name in _MODULE_OF:
         return getattr(import_module(f"porous_swim.{_MODULE_OF[name]}"), name)
     raise AttributeError(f"module 'porous_swim' has no attribute {name!r}")

@@ -287,11 +287,16 @@ def bench(
 
 
 @app.command()
-def schema() -> None:
-    """Print the JSON Schema of scene files, for editors."""
-    from porous_swim.scene.schema import json_schema
+def schema(
+    page: Annotated[bool, typer.Option("--page", help="A reference page in Markdown instead, for people.")] = False,
+) -> None:
+    """Print the JSON Schema of scene files, for editors; it knows the keys of installed plug-ins."""
+    from porous_swim.scene.schema import json_schema, scene_page
 
-    _print_json(json_schema())
+    if page:
+        print(scene_page(), end="")
+    else:
+        _print_json(json_schema())
 
 
 def _print_json(data: object) -> None:

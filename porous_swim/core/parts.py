@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, LiteralString, get_args, get_origin
+from typing import Annotated, Any, ClassVar, LiteralString
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
@@ -155,23 +155,6 @@ def unit_vector(values: Sequence[float], *, key: str, dimensions: int) -> np.nda
         raise KeyedError(key, "expected a direction, found the zero vector")
     vector /= largest  # so that the norm neither overflows nor underflows
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-def models_in(annotation: Any) -> list[type[Part]]:
-    """Return the models that a field's annotation admits: one, or all members of a union."""
-    if isinstance(annotation, type) and issubclass(annotation, Part):
-        return [annotation]
-    if get_origin(annotation) is None:
-        return []
-    return [model for member in get_args(annotation) for model in models_in(member)]
-
-
-def tag_of(model: type[Part]) -> tuple[str, str] | None:
-    """Return the discriminator of a member of a union, as ("kind", "brownian"), or None."""
-    for key in ("kind", "layout"):
-        if key in model.model_fields:
-            return key, get_args(model.model_fields[key].annotation)[0]
-    return None
 
 
 ContactHeight = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (sines of the pitch, radii) -> least heights, a

@@ -8,20 +8,18 @@ import numpy as np
 import taichi as ti
 
 from porous_swim.core.numbers import Given
-from porous_swim.core.parts import Part
+from porous_swim.core.registry import parts_of
 from porous_swim.engine import backend
 from porous_swim.engine.dynamics import REALS
 from porous_swim.engine.medium import on_device
 from porous_swim.obstacles.wall import wall_axes
 from porous_swim.physics.contact import HardContact, shape_of
 from porous_swim.physics.drift import make_drift
-from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
+from porous_swim.physics.hydrodynamics import Flow
 from porous_swim.physics.law import make_named
 from porous_swim.physics.model import Model, Surface
 from porous_swim.physics.motility import Steady, make_swim
 from porous_swim.physics.vectors import vec
-
-HYDRODYNAMICS = {"none": NoHydrodynamics, "image_dipole": ImageDipole, "near_wall": NearWall}
 
 
 @cache
@@ -63,11 +61,13 @@ def drift_of(offset, director, radius, *, dipole_strength, bretherton, hydrodyna
 
 
 def _flow_of(hydrodynamics):
-    if isinstance(hydrodynamics, Part):
+    """The flow that is meant; one given by its kind has the defaults of its keys."""
+    if isinstance(hydrodynamics, Flow):
         return hydrodynamics
-    if hydrodynamics not in HYDRODYNAMICS:
-        raise ValueError(f"hydrodynamics: expected one of {', '.join(HYDRODYNAMICS)}, found {hydrodynamics!r}")
-    return HYDRODYNAMICS[hydrodynamics]()
+    flows = parts_of(Flow)
+    if hydrodynamics not in flows:
+        raise ValueError(f"hydrodynamics: expected one of {', '.join(flows)}, found {hydrodynamics!r}")
+    return flows[hydrodynamics](**{Flow.TAG: hydrodynamics})
 
 
 def _drift(offset, director, radius, flow, numbers, precision):
@@ -119,7 +119,7 @@ def drift(
         radius: of the sphere, a; a number or (n,); infinite for a plane wall, exactly.
         dipole_strength: alpha.
         aspect_ratio: gamma in (0, 1].
-        hydrodynamics: `image_dipole`, `near_wall` or `none`; or a flow, as a part of a scene.
+        hydrodynamics: `image_dipole`, `near_wall`, `none`, or the kind of a flow that was registered; or a `Flow`.
         precision: `f64` or `f32`.
 
     Returns:

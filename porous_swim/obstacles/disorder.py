@@ -10,7 +10,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from porous_swim.core.parts import FARTHEST, KeyedError, Length, Part, Radii, Whole
+from porous_swim.core.parts import FARTHEST, KeyedError, Length, Radii, Whole
+from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField, bulk
 from porous_swim.obstacles.insertion import insert
@@ -24,7 +25,7 @@ _MOST_PACKED = 1_000_000  # 0.2 ms each at a fraction of 0.3, 1 ms where they ja
 _MANY = 200  # spheres of which a random arrangement comes no farther than one without end, within a few per cent
 
 
-class Disorder(Part):
+class Disorder(Layout):
     """Colloids without order; two of `count`, `packing_fraction` and `domain.size` give the third."""
 
     radius: Radii

@@ -9,12 +9,13 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from porous_swim.core.parts import LONGEST, KeyedError, Length, Part, Radius, Whole, check_all
+from porous_swim.core.parts import LONGEST, KeyedError, Length, Radius, Whole, check_all
+from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
 
 
-class Lattice(Part):
+class Lattice(Layout):
     """Equal spheres on a lattice; it sets the box."""
 
     DIMENSIONS: ClassVar[int]

@@ -1,7 +1,4 @@
-"""How colloids are placed: each layout is a frozen model with `check(domain)` and `place(...)`.
-
-`place(domain, rng, folder)` puts the centres into the box [0, box); what is wrong is a `KeyedError`.
-"""
+"""All layouts: those of one colloid or none, colloids from a file, and the list of them."""
 
 from __future__ import annotations
 
@@ -12,7 +9,9 @@ import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from porous_swim.core.csv_table import read_columns
-from porous_swim.core.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Part, Point, Radius, as_vector
+from porous_swim.core.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Point, Radius, as_vector
+from porous_swim.core.registry import add
+from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.disorder import Packing, Random
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
@@ -22,8 +21,10 @@ from porous_swim.obstacles.overlaps import TOUCH, checked_field
 from porous_swim.obstacles.wall import Wall
 
 
-class NoObstacles(Part):
+class NoObstacles(Layout):
     """Free space, or an empty periodic box."""
+
+    OPEN = True
 
     layout: Literal["none"]
 
@@ -40,8 +41,10 @@ class NoObstacles(Part):
         return ObstacleField(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
 
 
-class Single(Part):
+class Single(Layout):
     """One colloid, alone in space or in a periodic box."""
+
+    OPEN = True
 
     layout: Literal["single"]
     radius: Radius
@@ -70,7 +73,7 @@ class Single(Part):
         )
 
 
-class FromFile(Part):
+class FromFile(Layout):
     """Colloids read from a CSV file with the columns x, y, z, radius (z may be left out in 2-D)."""
 
     layout: Literal["file"]
@@ -181,19 +184,4 @@ def _optional_box(domain: Domain) -> np.ndarray:
     return np.zeros(3)
 
 
-Layout = Annotated[
-    NoObstacles
-    | Single
-    | Wall
-    | Square
-    | Hexagonal
-    | SimpleCubic
-    | BodyCentred
-    | FaceCentred
-    | Random
-    | Packing
-    | FromFile,
-    Field(discriminator="layout"),
-]
-
-OPEN_BY_DEFAULT = ("none", "single", "wall")
+add(NoObstacles, Single, Wall, Square, Hexagonal, SimpleCubic, BodyCentred, FaceCentred, Random, Packing, FromFile)

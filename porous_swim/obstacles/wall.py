@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from porous_swim.core.parts import Direction, KeyedError, Part, Point, as_vector, unit_vector
+from porous_swim.core.parts import Direction, KeyedError, Point, as_vector, unit_vector
+from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.model import Surface
@@ -90,8 +91,10 @@ def wall_axes(normal: np.ndarray, dimensions: int) -> np.ndarray:
     return np.stack([across, np.cross(normal, across), normal])
 
 
-class Wall(Part):
+class Wall(Layout):
     """One plane wall, with fluid on one side, in open space."""
+
+    OPEN = True
 
     layout: Literal["wall"]
     normal: Direction

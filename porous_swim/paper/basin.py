@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim import theory
@@ -44,7 +46,7 @@ def reproduce(quick: bool) -> Reproduction:
     ]
     columns = {"radius": radius, "alpha": alpha, "alpha2_A": product, "depth": depth, "closed_form": guess}
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(2)
         for a in strengths:
             own = alpha == a

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
 from porous_swim.paper.scan import is_held, outgoing_angle, paper_scene, pitch_of, run_changes, thresholds
 from porous_swim.running.batch import Member
@@ -29,7 +31,7 @@ def reproduce(quick: bool) -> Reproduction:
         } for radius, member in zip(RADII, members, strict=True)
     }  # fmt: skip
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(3)
         for axis, radius, member in zip(axes, RADII, members, strict=True):
             disc(axis, radius)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim import theory
@@ -33,7 +35,7 @@ def reproduce(quick: bool) -> Reproduction:
     exact = [theory.critical_radius(alpha) for alpha in strengths]
     columns = {"alpha": np.array(strengths), "simulated": found, "exact": np.array(exact), "leading": np.array(leading)}
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(2)
         for axis, sign, name in ((axes[0], 1.0, "pushers"), (axes[1], -1.0, "pullers")):
             size = np.geomspace(0.1, 1.5, 60)

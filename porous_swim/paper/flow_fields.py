@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
@@ -37,7 +39,7 @@ def reproduce(quick: bool) -> Reproduction:
         worst = max(worst, float(np.abs(slip).max()) / (2.0 * alpha / HEIGHT**2))
     rows = [Row("slip on the sphere over the largest free flow there", worst, independent=0.0, digit=1e-10)]
 
-    def draw():
+    def draw() -> Any:
         from matplotlib.colors import LogNorm
 
         picture, axes = panels(3)

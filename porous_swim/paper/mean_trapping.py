@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def reproduce(quick: bool) -> Reproduction:
         "they count with that time, as in the paper"
     ]
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(3)
         shape = (len(radii), len(noises))
         for axis, name in zip(axes, ("estimate", "integral", "simulated"), strict=True):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
@@ -34,7 +36,7 @@ def reproduce(quick: bool) -> Reproduction:
     ]
     columns = {"y0": offsets, "polar_angle": np.array(resting), "time_to_rest": np.array(times)}
 
-    def draw():
+    def draw() -> Any:
         picture, (axis,) = panels(1, width=6.0, height=5.0)
         disc(axis, 20.0)
         for member in members:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim.paper.figure import Reproduction, Row, disc, panels
@@ -36,7 +38,7 @@ def reproduce(quick: bool) -> Reproduction:
         )  # fmt: skip
         tables[f"D{D:g}"] = {"time": member.time, "share_near": np.mean(height < 1.5, axis=1)}
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(3)
         for axis, (D, member) in zip(axes, zip(NEAR, members, strict=True), strict=False):
             _ways(axis, member, f"D = {D:g}")
@@ -54,7 +56,7 @@ def _error(share: float, count: int) -> float:
     return max(float(np.sqrt(share * (1.0 - share) / count)), 1.0 / count)
 
 
-def _ways(axis, member: Member, title: str) -> None:
+def _ways(axis: Any, member: Member, title: str) -> None:
     disc(axis, 20.0)
     for i in range(30):
         axis.plot(member.position[:, i, 0], member.position[:, i, 1], linewidth=0.5)

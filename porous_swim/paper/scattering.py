@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def reproduce(quick: bool) -> Reproduction:
         "strength": {"alpha": strengths, "angle": by_strength},
     }
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(5)
         for axis, (alpha, members) in zip(axes, ways.items(), strict=False):
             _ways(axis, members, offsets)
@@ -63,7 +64,7 @@ def _change(alpha: float, y0: float) -> dict[str, object]:
     return {"swimmers.dipole_strength": float(alpha), "swimmers.release.position": [-40.0, float(y0)]}
 
 
-def _ways(axis, members: list[Member], offsets: np.ndarray) -> None:
+def _ways(axis: Any, members: list[Member], offsets: np.ndarray) -> None:
     """Every other radius of a swimmer a trajectory."""
     disc(axis, 20.0)
     shown = [int(np.argmin(np.abs(offsets - y))) for y in (0.1, *range(2, 24, 2))]
@@ -72,7 +73,7 @@ def _ways(axis, members: list[Member], offsets: np.ndarray) -> None:
     axis.set(xlim=(-45, 60), ylim=(-50, 50), xlabel="x/a", ylabel="y/a")
 
 
-def _against_strength(axis, strengths: np.ndarray, angles: np.ndarray) -> None:
+def _against_strength(axis: Any, strengths: np.ndarray, angles: np.ndarray) -> None:
     axis.plot(strengths, angles, "o-", markersize=2, label="simulated")
     fine = np.linspace(0.05, 0.59, 60)
     near = [theory.scattering_angle(alpha, 20.0, 0.1) for alpha in fine]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim.paper.figure import Reproduction, Row, panels
@@ -23,7 +25,7 @@ def reproduce_a(quick: bool) -> Reproduction:
     for i in range(3):
         table |= {f"height{i}": height[:, i], f"pitch{i}": pitch[:, i]}
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(2)
         for i in range(3):
             axes[0].plot(member.time, height[:, i], linewidth=0.8)
@@ -57,7 +59,7 @@ def reproduce_b(quick: bool) -> Reproduction:
         ]
         tables[f"A{case.radius:g}"] = {"T_theta": times.pitch, "T_h": times.height}
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(2)
         for axis, case, times in zip(axes, CASES, results, strict=True):
             axis.plot(times.pitch, times.height, ".", markersize=2)

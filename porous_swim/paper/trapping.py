@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim import theory
@@ -51,7 +53,7 @@ def reproduce(quick: bool) -> Reproduction:
     n_runs = sum(len(times.height) for times in results)
     notes = [f"{held} of {n_runs} swimmers were still held at t = {scene.run.duration:g}"]
 
-    def draw():
+    def draw() -> Any:
         picture, axes = panels(4, in_line=2)
         for axis, case, times in zip(axes, standard, results, strict=False):
             axis.hist(times.height, bins=50, density=True, color="0.8", label="T_h")

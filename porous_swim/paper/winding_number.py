@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from porous_swim import theory
@@ -25,7 +27,7 @@ def reproduce(quick: bool) -> Reproduction:
     slope = float(turns[eps == 1e-4][0] - turns[eps == 1e-3][0])
     rows.append(Row("turns per decade of eps, 1e-4 to 1e-3", slope, independent=PER_DECADE, digit=5e-4))
 
-    def draw():
+    def draw() -> Any:
         picture, (axis,) = panels(1, width=5.0)
         axis.semilogx(eps, turns, "o-", markersize=4)
         axis.set(xlabel="$1 - A/A_c$", ylabel="winding number W")

@@ -6,21 +6,14 @@ Lengths in half-lengths a, speeds in U. Source: Spagnolie, Moreno-Flores, Bartol
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 from functools import cache
-from typing import ClassVar, Literal
+from typing import Literal
 
 import taichi as ti
 
-from porous_swim.core.numbers import Given
-from porous_swim.core.parts import Part
+from porous_swim.core.registry import add
+from porous_swim.physics.flow import Flow as Flow  # with those below
 from porous_swim.physics.model import Model
 from porous_swim.physics.surface import make_surface
-
-DIPOLE = ("alpha", "bretherton")  # the dipole strength, and Gamma, by which a flow turns an elongated swimmer
-
-
-def dipole(given: Given) -> dict[str, float]:
-    """Return the numbers of a force dipole."""
-    return {"alpha": given.dipole_strength, "bretherton": given.bretherton}
 
 
 @cache
@@ -47,7 +40,7 @@ def make_plane_drift(model: Model):
     return drift
 
 
-class NoHydrodynamics(Part):
+class NoHydrodynamics(Flow):
     """A swimmer that feels no flow: it swims, turns by noise, and is stopped by walls."""
 
     kind: Literal["none"] = "none"
@@ -65,15 +58,10 @@ class NoHydrodynamics(Part):
         return drift
 
 
-class ImageDipole(Part):
+class ImageDipole(Flow):
     """The flow that the nearest colloid reflects: the exact image of a force dipole at a no-slip sphere."""
 
     kind: Literal["image_dipole"] = "image_dipole"
-    NUMBERS: ClassVar[tuple[str, ...]] = DIPOLE
-
-    def numbers(self, given: Given) -> dict[str, float]:
-        """See `Part`."""
-        return dipole(given)
 
     @staticmethod
     @cache
@@ -108,15 +96,10 @@ class ImageDipole(Part):
         return drift
 
 
-class NearWall(Part):
+class NearWall(Flow):
     """The paper's reduced model: the image flow to leading order in height over radius, as if the wall were plane."""
 
     kind: Literal["near_wall"] = "near_wall"
-    NUMBERS: ClassVar[tuple[str, ...]] = DIPOLE
-
-    def numbers(self, given: Given) -> dict[str, float]:
-        """See `Part`."""
-        return dipole(given)
 
     @staticmethod
     @cache
@@ -150,4 +133,4 @@ class NearWall(Part):
         return drift
 
 
-Hydrodynamics = NoHydrodynamics | ImageDipole | NearWall
+add(NoHydrodynamics, ImageDipole, NearWall)

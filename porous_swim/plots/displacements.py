@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -55,7 +56,7 @@ def draw(shown: list[Shown[Displacements]], scales: Scales | None) -> Figure:
     return picture
 
 
-def _fit(axis, run: Shown[Displacements], *, name_it: bool) -> None:
+def _fit(axis: Any, run: Shown[Displacements], *, name_it: bool) -> None:
     fit = run.data.diffusivity
     if not np.isfinite(fit.value):
         return

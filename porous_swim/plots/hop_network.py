@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -57,7 +58,7 @@ def draw(shown: list[Shown[Network]], scales: Scales | None) -> Figure:
     return picture
 
 
-def _frame(axis, box: tuple[float, float, float]) -> None:
+def _frame(axis: Any, box: tuple[float, float, float]) -> None:
     """The periodic box, where there is one."""
     if box[0] > 0.0 and box[1] > 0.0:
         axis.plot([0, box[0], box[0], 0, 0], [0, 0, box[1], box[1], 0], color="0.5", linewidth=0.6, linestyle=":")

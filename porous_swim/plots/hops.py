@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -41,7 +42,7 @@ def draw(shown: list[Shown[HopDistributions]], scales: Scales | None) -> Figure:
     return picture
 
 
-def _every(degrees: float):
+def _every(degrees: float) -> Any:
     from matplotlib.ticker import MultipleLocator
 
     return MultipleLocator(degrees)

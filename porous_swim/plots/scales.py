@@ -7,7 +7,8 @@ from typing import Any
 
 from matplotlib.ticker import NullFormatter
 
-from porous_swim.core.scales import Scales, pretty
+from porous_swim.core.scales import Scales as Scales
+from porous_swim.core.scales import pretty
 from porous_swim.plots.style import TEXT_SIZE
 
 

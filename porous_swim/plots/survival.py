@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -49,7 +50,7 @@ def draw(quantities: Mapping[str, list[Shown[Survival]]], scales: Scales | None)
     return picture
 
 
-def _curve(axis, run: Shown[Survival], *, name_it: bool) -> None:
+def _curve(axis: Any, run: Shown[Survival], *, name_it: bool) -> None:
     curve, band = run.data.curve, survival_band(run.data.curve)
     chosen = thinned_tail(curve.probability)
     # the last value holds as far as anything was seen to last, and no further

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -48,7 +49,7 @@ def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
     return picture
 
 
-def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
+def _panel(axis: Any, ways: Ways, plane: tuple[int, int]) -> None:
     position = ways.position[:, :, plane]
     low, high = _view(ways, plane)
     box = ways.box[plane[0]], ways.box[plane[1]]
@@ -67,7 +68,7 @@ def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
-def _wall(axis, point: np.ndarray, normal: np.ndarray) -> None:
+def _wall(axis: Any, point: np.ndarray, normal: np.ndarray) -> None:
     """The line in which a wall is seen, where it is seen from its edge."""
     if np.hypot(*normal) > 1.0 - 1e-6:
         axis.axline(point, point + np.array([-normal[1], normal[0]]), color="0.45", linewidth=3.0, zorder=1.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -27,13 +29,13 @@ def draw(shown: list[Shown[Orbits]]) -> Figure:
     return picture
 
 
-def logarithmic(axis, every: list[Histogram]) -> None:
+def logarithmic(axis: Any, every: list[Histogram]) -> None:
     """A logarithmic axis from half of the least share on, as errors may reach down to nothing."""
     least = min((1.0 / found.n for found in every if found.n), default=1.0)
     axis.set(yscale="log", ylim=(0.5 * least, 1.3))
 
 
-def bars(axis, found: Histogram, *, color: str, label: str | None = None) -> None:
+def bars(axis: Any, found: Histogram, *, color: str, label: str | None = None) -> None:
     """A distribution as a step line: the share of all samples in each bin, with one standard error."""
     width = np.diff(found.edges)
     share, error = found.density * width, found.standard_error * width

@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from porous_swim.analysis.estimates import NONE, value_and_error
+from porous_swim.analysis.estimates import NONE as NONE
+from porous_swim.analysis.estimates import value_and_error as value_and_error
 from porous_swim.core.scales import Scales, pretty
 from porous_swim.reporting.section import Cell, Number
 

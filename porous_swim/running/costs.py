@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from porous_swim.core.machine import usable_processors
 from porous_swim.engine.engine import LANES
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.physics.contact import Shape, shape_of
+from porous_swim.physics.contact import shape_of
+from porous_swim.physics.model import Shape
 from porous_swim.running.whereabouts import far_share, pair_share
 from porous_swim.scene.scene import Scene
 

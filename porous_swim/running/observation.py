@@ -39,7 +39,7 @@ from porous_swim.results.tables import (
 )
 from porous_swim.running.outputs import STATISTICS, TRAJECTORY, Outputs, writing
 from porous_swim.running.simulation import Simulation
-from porous_swim.scene.identity import portable
+from porous_swim.scene.identity import plugins_of, portable
 
 KEEP_SECONDS = 60.0  # what a killed run may lose of its recording and trajectory
 NO_LOCKS = "The file system of the run folder has no locks: nothing keeps a second run out of the folder."
@@ -286,5 +286,5 @@ def provenance_of(simulation: Simulation) -> dict[str, Any]:
     return {
         "version": version("porous_swim"), "scene": scene.name, "scene_id": scene.scene_id, "seed": scene.run.seed,
         "device": simulation.backend.device, "precision": scene.precision, "threads": simulation.backend.threads,
-        "python": platform.python_version(), "packages": {name: version(name) for name in PACKAGES},
+        "python": platform.python_version(), "packages": {name: version(name) for name in PACKAGES} | plugins_of(scene),
     }  # fmt: skip

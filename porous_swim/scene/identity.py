@@ -10,6 +10,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from porous_swim.core.registry import parts_in, plugin_of
 from porous_swim.results.manifest import RUN_NAMES
 from porous_swim.scene.model import SceneModel
 from porous_swim.scene.yaml_core import write_yaml
@@ -39,6 +40,12 @@ def file_hashes(scene: SceneModel) -> dict[str, str]:
     return {key: hashlib.sha256(path.read_bytes()).hexdigest() for key, path in scene.files.items()}
 
 
+def plugins_of(scene: SceneModel) -> dict[str, str]:
+    """Return the versions of the packages, by name, from which parts of the scene come that are not ours."""
+    found = [plugin_of(type(part)) for part in parts_in(scene)]
+    return {plugin.package: plugin.version for plugin in found if plugin is not None}
+
+
 def scene_hash(scene: SceneModel) -> str:
     """Return 16 hexadecimal digits that differ when the result could."""
     data = resolved(scene)
@@ -50,6 +57,8 @@ def scene_hash(scene: SceneModel) -> str:
         del data["obstacles"]["seed"]
     for key, digits in file_hashes(scene).items():
         _section(data, key)["path"] = digits
+    if plugins := plugins_of(scene):
+        data["plugins"] = plugins
     text = json.dumps(data, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -12,7 +12,8 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationError
 
 from porous_swim.core.errors import SceneError
-from porous_swim.core.parts import UNITS_UNKNOWN, KeyedError, Part, SeveralKeyedError, models_in, tag_of
+from porous_swim.core.parts import UNITS_UNKNOWN, KeyedError, Part, SeveralKeyedError
+from porous_swim.core.registry import models_in, tag_of
 from porous_swim.scene.document import UNREAD, Document, KeyPath, Mark, key_path
 
 _MOST_SAID = 1000  # faults that get a sentence; more than these are not counted either

@@ -10,12 +10,12 @@ from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_valida
 from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Part
 from porous_swim.obstacles.domain import Domain
-from porous_swim.obstacles.layouts import OPEN_BY_DEFAULT, Layout
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
-from porous_swim.physics.hydrodynamics import ImageDipole, NearWall, NoHydrodynamics
+from porous_swim.physics.hydrodynamics import ImageDipole
 from porous_swim.physics.noise import Brownian, NoNoise
 from porous_swim.physics.perrin import spheroid_diffusion
+from porous_swim.scene.parts import Flow, Layout, parts_of
 from porous_swim.scene.sections import Population, Record, Run
 from porous_swim.scene.units import Units, UnitSystem
 
@@ -33,7 +33,7 @@ class SceneModel(Part):
     """What a, U and the fluid are in the laboratory."""
     swimmers: Population
     """The swimmers."""
-    hydrodynamics: Annotated[NoHydrodynamics | ImageDipole | NearWall, Field(discriminator="kind")] = ImageDipole()
+    hydrodynamics: Flow = ImageDipole()
     """The flow that a colloid reflects onto a swimmer."""
     contact: HardContact = HardContact()
     """What happens where a swimmer touches a colloid."""
@@ -181,5 +181,6 @@ def with_boundary(data: Any) -> Any:
     obstacles, domain = (data.get(key, {}) for key in ("obstacles", "domain"))
     if not isinstance(obstacles, dict) or not isinstance(domain, dict) or domain.get("boundary") is not None:
         return data
-    boundary = "open" if obstacles.get("layout") in OPEN_BY_DEFAULT else "periodic"
+    layout = parts_of(Layout).get(str(obstacles.get("layout")))
+    boundary = "open" if layout is not None and layout.OPEN else "periodic"
     return {**data, "domain": {**domain, "boundary": boundary}}

@@ -10,7 +10,8 @@ from typing import Any, Literal, get_args, get_origin
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
-from porous_swim.core.parts import Part, Unit, models_in, tag_of
+from porous_swim.core.parts import Part, Unit
+from porous_swim.core.registry import models_in, skip_plugins, tag_of
 from porous_swim.scene.scene import Scene
 
 SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
@@ -126,7 +127,7 @@ def _allowed(field: FieldInfo) -> str:
         return ", ".join(f"`{value}`" for _, value in tags) if tags else "a map"
     words = [f"`{value}`" for value in _literals(field.annotation)]
     text = _types(field.annotation)
-    bounds = _bounds(_metadata(field))
+    bounds = bounds_of(field)
     return ", ".join(part for part in (f"{text} {bounds}".strip(), *words) if part)
 
 
@@ -148,10 +149,11 @@ def _types(annotation: Any) -> str:
     return next((member for member in members if member), "")
 
 
-def _bounds(metadata: list[Any]) -> str:
+def bounds_of(field: FieldInfo) -> str:
+    """Return what a number may be, such as `>= 0 and <= 1`; empty where it has no bounds."""
     signs = {Gt: ("> {}", "gt"), Ge: (">= {}", "ge"), Lt: ("< {}", "lt"), Le: ("<= {}", "le")}
     found = []
-    for item in metadata:
+    for item in _metadata(field):
         if type(item) in signs:
             sign, name = signs[type(item)]
             found.append(sign.format(_number(getattr(item, name))))
@@ -177,4 +179,5 @@ def _default(field: FieldInfo) -> str:
 
 
 if __name__ == "__main__":
+    skip_plugins()
     write()

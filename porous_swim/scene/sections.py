@@ -8,7 +8,8 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from porous_swim.core.parts import LEAST_TIME, LONGEST_TIME, UNITS_UNKNOWN, KeyedError, Part, Time, Whole
-from porous_swim.swimmers.release import Release, Uniform
+from porous_swim.swimmers.base import Release
+from porous_swim.swimmers.release import Uniform
 
 
 class Population(Part):

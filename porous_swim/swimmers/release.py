@@ -20,14 +20,15 @@ from porous_swim.core.parts import (
     Direction,
     KeyedError,
     Length,
-    Part,
     Point,
     Whole,
     as_vector,
     unit_vector,
 )
+from porous_swim.core.registry import add
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.swimmers.base import Release
 from porous_swim.swimmers.placement import Swimmers, checked_swimmers, fits, frame_of, random_directors
 
 _KEY = "swimmers.release"
@@ -38,7 +39,7 @@ _AT_ONCE, _MOST_AT_ONCE = 4096, 64  # trials looked at together, and rounds of t
 _MOST_TRIES, _MOST_TRIES_EACH = 4_000_000, 100  # of all swimmers, or of each if that is more: half a minute for 10^4
 
 
-class Uniform(Part):
+class Uniform(Release):
     """Directors isotropic; then positions uniform in the box, wherever a swimmer fits."""
 
     kind: Literal["uniform"] = "uniform"
@@ -96,7 +97,7 @@ class Uniform(Part):
         return Swimmers(position, director), tries
 
 
-class PointRelease(Part):
+class PointRelease(Release):
     """All swimmers start at one place."""
 
     kind: Literal["point"]
@@ -136,7 +137,7 @@ class PointRelease(Part):
         )
 
 
-class Beam(Part):
+class Beam(Release):
     """Parallel directors, starts uniform over a disc across them (over a segment in 2-D)."""
 
     kind: Literal["beam"]
@@ -176,7 +177,7 @@ class Beam(Part):
         )
 
 
-class Parallel(Part):
+class Parallel(Release):
     """Starts uniform around one colloid (over one point of a wall) at one height, directors along it, else random."""
 
     kind: Literal["parallel"]
@@ -184,9 +185,6 @@ class Parallel(Part):
     """Height of the swimmers' centres above the surface."""
     colloid: Annotated[Whole, Field(ge=0, le=MOST_COLLOIDS)] = 0
     """Which colloid, counted from 0."""
-
-    def check(self, domain: Domain) -> None:
-        """Accept every domain."""
 
     def place(
         self,
@@ -213,15 +211,12 @@ class Parallel(Part):
         return checked_swimmers(position, director, field=field, contact_height=contact_height, key=f"{_KEY}.height")
 
 
-class FromFile(Part):
+class FromFile(Release):
     """Starts read from a CSV file with the columns x, y, z, ex, ey, ez (z and ez may be left out in 2-D)."""
 
     kind: Literal["file"]
     path: Annotated[str, Field(min_length=1)]
     """The CSV file, relative to the scene's folder; one row per swimmer. Numbers in a, also with units."""
-
-    def check(self, domain: Domain) -> None:
-        """Accept every domain."""
 
     def place(
         self,
@@ -252,4 +247,4 @@ class FromFile(Part):
         return checked_swimmers(position, director / length, field=field, contact_height=contact_height, key=key)
 
 
-Release = Annotated[Uniform | PointRelease | Beam | Parallel | FromFile, Field(discriminator="kind")]
+add(Uniform, PointRelease, Beam, Parallel, FromFile)

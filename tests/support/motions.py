@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 import taichi as ti
 
 from porous_swim.core.numbers import Given
-from porous_swim.core.parts import Part
+from porous_swim.physics.flow import Flow
 from porous_swim.physics.model import Model
 from porous_swim.physics.motility import Steady
 from porous_swim.physics.noise import Stream, words_of
@@ -16,7 +16,7 @@ from porous_swim.physics.variates import BITS, circle, split
 from porous_swim.physics.vectors import by_lane, pick, vec
 
 
-class Swirl(Part):
+class Swirl(Flow):
     """A swirl about each colloid, as of one that spins: u = strength (A/R)^power along the circle about its z axis."""
 
     kind: Literal["swirl"] = "swirl"

@@ -14,7 +14,8 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import DIRECTORS, PLACES, needs
-from porous_swim.analysis.transport.transport import Tracks, error_of_mean, mean_of_known, tracks
+from porous_swim.analysis.transport.transport import Tracks, mean_of_known, tracks
+from porous_swim.analysis.transport.transport import error_of_mean as error_of_mean
 from porous_swim.core.errors import ResultsError
 from porous_swim.results.tables import steady_frames
 

@@ -1,0 +1,227 @@
+"""Which layouts, releases and flows there are: our own, those that a program registers, those of installed plug-ins.
+
+A role (`Layout`, `Release`, `Flow`) is a class directly below `OpenPart`. A field of a scene that has a role for its
+type takes any part registered for it; the part's tag in the file says which.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache, reduce
+from importlib.metadata import EntryPoint, entry_points, packages_distributions, version
+from operator import or_
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from porous_swim.core.console import tell
+from porous_swim.core.parts import Part
+
+GROUP = "porous_swim.parts"  # of the entry points of plug-ins
+
+
+class OpenPart(Part):
+    """A part that a scene chooses by a tag, and of which users may register kinds of their own."""
+
+    TAG: ClassVar[str] = "kind"  # the key whose word chooses
+
+    @classmethod
+    def is_role(cls) -> bool:
+        """Whether this class is a role, such as `Layout`, and no part itself."""
+        return cls.__mro__[2] is Part  # itself, OpenPart, Part
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the schema of a part as it is, and of a role one that looks among those registered by then."""
+        if not cls.is_role():
+            return handler(source)
+
+        def choose(value: Any, info: ValidationInfo) -> Any:
+            return _chooser(cls).validate_python(value, context=info.context)
+
+        return core_schema.with_info_plain_validator_function(choose)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON Schema of a part, or of all that a role has by now."""
+        return handler(_chooser(cls).core_schema if cls.is_role() else schema)
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """Where a part that is not ours comes from."""
+
+    package: str
+    version: str
+    """Of the package; of a part that belongs to none, digits that change with the source of its class."""
+
+
+AnyPart = TypeVar("AnyPart", bound=type[OpenPart])
+Role = TypeVar("Role", bound=OpenPart)
+
+_PARTS: dict[type[OpenPart], dict[str, type[OpenPart]]] = {}  # by role and tag, ours first
+_PLUGINS: dict[type[OpenPart], Plugin] = {}
+_to_load = [GROUP]  # empty once plug-ins have been looked for
+
+
+def role_of(part: type) -> type[OpenPart] | None:
+    """Return the role that a part plays; None for what plays none."""
+    return next((base for base in part.__mro__ if issubclass(base, OpenPart) and base.is_role()), None)
+
+
+def add(*parts: type[OpenPart]) -> None:
+    """Add parts of our own to their roles."""
+    for part in parts:
+        _add(part)
+
+
+def register(part: AnyPart) -> AnyPart:
+    """Let scene files name `part`, a model derived from `Layout`, `Release` or `Flow`; return it, as a decorator does.
+
+    TypeError where `part` is no such model or lacks a method of its role; ValueError where its tag is taken.
+    """
+    _add(part)
+    _PLUGINS[part] = _plugin_of_module(part)
+    return part
+
+
+def forget(part: type[OpenPart]) -> None:
+    """Undo `register`."""
+    role, (_, tag) = _checked(part)
+    if _PARTS[role].get(tag) is part and part in _PLUGINS:
+        del _PARTS[role][tag], _PLUGINS[part]
+
+
+def parts_of(role: type[Role]) -> dict[str, type[Role]]:
+    """Return all parts of a role by their tags: our own first, then those registered, and those of plug-ins."""
+    _load_plugins()
+    return dict(_PARTS.get(role, {}))  # type: ignore[arg-type]
+
+
+def roles() -> list[type[OpenPart]]:
+    """Return all roles that have parts."""
+    return list(_PARTS)
+
+
+def plugin_of(part: type) -> Plugin | None:
+    """Return where a registered part comes from; None for our own."""
+    return _PLUGINS.get(part)
+
+
+def skip_plugins() -> None:
+    """Leave installed plug-ins out of this process: for files that describe our own parts."""
+    _to_load.clear()
+
+
+def models_in(annotation: Any) -> list[type[Part]]:
+    """Return the models that a field's annotation admits: one, all members of a union, or all parts of a role."""
+    if isinstance(annotation, type) and issubclass(annotation, OpenPart) and annotation.is_role():
+        return list(parts_of(annotation).values())
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        return [annotation]
+    if get_origin(annotation) is None:
+        return []
+    return [model for member in get_args(annotation) for model in models_in(member)]
+
+
+def tag_of(model: type[Part]) -> tuple[str, str] | None:
+    """Return the discriminator of a member of a union, as ("kind", "brownian"), or None."""
+    for key in ("kind", "layout"):
+        if key in model.model_fields:
+            words = get_args(model.model_fields[key].annotation)
+            return (key, words[0]) if words else None
+    return None
+
+
+def parts_in(part: Part) -> Iterator[Part]:
+    """Yield a part and all parts that it holds, at any depth."""
+    yield part
+    for name in type(part).model_fields:
+        value = getattr(part, name)
+        for inner in value if isinstance(value, tuple) else (value,):
+            if isinstance(inner, Part):
+                yield from parts_in(inner)
+
+
+def _add(part: type[OpenPart]) -> None:
+    role, (key, tag) = _checked(part)
+    taken = _PARTS.setdefault(role, {}).get(tag)
+    if taken is not None and _name(taken) != _name(part):  # the same again: a notebook's cell was run twice
+        raise ValueError(f"{_name(part)}: {key}: {tag} is taken by {_name(taken)}; choose another word")
+    if taken is not None:
+        _PLUGINS.pop(taken, None)
+    _PARTS[role][tag] = part
+
+
+def _checked(part: type[OpenPart]) -> tuple[type[OpenPart], tuple[str, str]]:
+    role = role_of(part) if isinstance(part, type) else None
+    if role is None or role is part:
+        raise TypeError(f"register: expected a class derived from Layout, Release or Flow, found {part!r}")
+    tag = tag_of(part)
+    field = part.model_fields.get(role.TAG)
+    if tag is None or field is None or get_origin(field.annotation) is not Literal or tag[0] != role.TAG:
+        raise TypeError(f'{_name(part)}: expected the field `{role.TAG}: Literal["a_word"]`, which scene files name')
+    missing = sorted(getattr(part, "__abstractmethods__", ()))
+    if missing:
+        needs = " and ".join(missing)
+        raise TypeError(f"{_name(part)}: a {role.__name__} needs {needs}; see porous_swim.{role.__name__}")
+    return role, tag
+
+
+def _name(part: type) -> str:
+    return f"{part.__module__}.{part.__qualname__}"
+
+
+def _chooser(role: type[OpenPart]) -> TypeAdapter[Any]:
+    return _union(role.TAG, tuple(parts_of(role).values()))
+
+
+@cache
+def _union(key: str, parts: tuple[type[OpenPart], ...]) -> TypeAdapter[Any]:
+    union: Any = Annotated[reduce(or_, parts), Field(discriminator=key)]
+    return TypeAdapter(union, config=Part.model_config)
+
+
+def _load_plugins() -> None:
+    while _to_load:
+        for entry in entry_points(group=_to_load.pop()):
+            package = entry.dist.name if entry.dist is not None else entry.module
+            try:
+                _load(entry, package)
+            except (Exception, SystemExit) as error:
+                why = f"{type(error).__name__}: {error}".replace("\n", " ")
+                tell(
+                    f"warning: the plug-in {entry.name} of the package {package} cannot be loaded, so that scenes do "
+                    f"not know it: {why}",
+                    sys.stderr,
+                )
+
+
+def _load(entry: EntryPoint, package: str) -> None:
+    part = entry.load()
+    if part not in _PLUGINS:  # else its module has registered it
+        _add(part)
+    _PLUGINS[part] = Plugin(package, entry.dist.version if entry.dist is not None else _digits(part))
+
+
+def _plugin_of_module(part: type[OpenPart]) -> Plugin:
+    """Name the installed package that a class belongs to; of one in a script of its own, the module."""
+    top = part.__module__.partition(".")[0]
+    packages: Callable[[], Any] = packages_distributions
+    found = packages().get(top, []) if top != "__main__" else []
+    if found:
+        return Plugin(found[0], version(found[0]))
+    return Plugin(_name(part), _digits(part))
+
+
+def _digits(part: type) -> str:
+    try:
+        source = inspect.getsource(part)
+    except (OSError, TypeError):  # typed in by hand
+        return "unknown"
+    return hashlib.sha256(source.encode()).hexdigest()[:16]

@@ -1,0 +1,13 @@
+"""The parts that a scene may name. Imported before any other is registered, so that ours stand first."""
+
+from __future__ import annotations
+
+from porous_swim.core.registry import forget, parts_of, register
+from porous_swim.obstacles import layouts
+from porous_swim.obstacles.base import Layout
+from porous_swim.physics import hydrodynamics
+from porous_swim.physics.flow import Flow
+from porous_swim.swimmers import release
+from porous_swim.swimmers.base import Release
+
+__all__ = ["Flow", "Layout", "Release", "forget", "hydrodynamics", "layouts", "parts_of", "register", "release"]

@@ -1,0 +1,1 @@
+"""Parts for porous_swim that are not its own."""
