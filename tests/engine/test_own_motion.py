@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import porous_swim as ps
+from porous_swim.core.registry import forget
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.support.engines import field_of, make_engine
 from tests.support.motions import Paced, Swirl, Tumbling, tumble_of
@@ -43,6 +44,30 @@ def test_a_swirl_of_its_own_numbers_carries_swimmers_on_exact_circles_and_along_
     np.testing.assert_allclose(x[:2, :2], R[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1), atol=1e-10)
     np.testing.assert_allclose(stream(x), stream(POSITION), atol=1e-9)
     assert np.linalg.norm(x[2:] - POSITION[2:], axis=1).min() > 5.0
+
+
+def test_a_scene_file_names_a_flow_of_ones_own_with_its_numbers(tmp_path):
+    file = tmp_path / "swirl.yaml"
+    file.write_text("""
+swimmers:
+  count: 1
+  dipole_strength: 0
+  release: {kind: point, position: [6, 1], director: [0.6, 0.8]}
+hydrodynamics: {kind: swirl, strength: 0.3, power: 2}
+obstacles: {layout: single, radius: 3}
+domain: {dimensions: 2}
+run: {time_step: 0.1, duration: 10}
+record: {every: 5, swimmers: 1, trails: 0}
+""")
+    ps.register(Swirl)
+    try:
+        path = ps.run(ps.load_scene(file)).trajectory
+    finally:
+        forget(Swirl)
+    x = np.repeat([[path[name][-1].as_py() for name in ("x", "y")]], 4, axis=0)
+    start = np.repeat(POSITION[2:3], 4, axis=0)
+    np.testing.assert_allclose(stream(x)[2], stream(start)[2], atol=1e-5)  # positions are kept in single precision
+    assert np.linalg.norm(x[2] - start[2, :2]) > 5.0
 
 
 def test_in_lanes_it_is_the_sum_of_swimming_and_swirl():
