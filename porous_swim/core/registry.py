@@ -75,8 +75,13 @@ def role_of(part: type) -> type[OpenPart] | None:
 
 
 def add(*parts: type[OpenPart]) -> None:
-    """Add parts of our own to their roles."""
+    """Add parts of our own to their roles; a plug-in that was loaded before and has the word of one gives way."""
     for part in parts:
+        role, (key, tag) = _checked(part)
+        taken = _PARTS.get(role, {}).get(tag)
+        if taken is not None and taken in _PLUGINS:
+            tell(f"warning: {_name(taken)} is left out: {key}: {tag} is a word of porous_swim's own", sys.stderr)
+            forget(taken)
         _add(part)
 
 
@@ -101,11 +106,6 @@ def parts_of(role: type[Role]) -> dict[str, type[Role]]:
     """Return all parts of a role by their tags: our own first, then those registered, and those of plug-ins."""
     _load_plugins()
     return dict(_PARTS.get(role, {}))  # type: ignore[arg-type]
-
-
-def roles() -> list[type[OpenPart]]:
-    """Return all roles that have parts."""
-    return list(_PARTS)
 
 
 def plugin_of(part: type) -> Plugin | None:
