@@ -194,7 +194,16 @@ def view(
     if not web and sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
         raise ResultsError("view: there is no display here; --web opens the recording in a browser")
     viewer = [sys.executable, "-m", "rerun", str(recording)]
-    os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
+    os.execve(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer, _without_analytics())
+
+
+def _without_analytics() -> dict[str, str]:
+    """The environment of a viewer that tells nobody about its use, whatever its user's settings say.
+
+    Rerun sends usage statistics from the second start on, but never where `CI` is set: its one switch by environment.
+    """
+    kept = {name: value for name, value in os.environ.items() if name != "FORCE_RERUN_ANALYTICS"}
+    return {**kept, "CI": kept.get("CI", "1")}
 
 
 @app.command(short_help="Write pictures and tables of a run as one HTML page.")
