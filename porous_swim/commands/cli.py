@@ -348,5 +348,4 @@ def _scene(path: Path, changes: list[str] | None, options: dict[str, object]) ->
             options[key] = read_value(value)
         except SceneError as error:
             raise SceneError(f"--set {change}: {error}") from None
-    scene = load_scene(path)
-    return scene.replace(options) if options else scene
+    return load_scene(path, options)

@@ -78,7 +78,9 @@ class Document:
                 node[str(key)] = dict(inner)
                 node = node[str(key)]
             node[str(path[-1])] = value
-        return replace(self, data=data, replaced=self.replaced | set(changes))
+        mended = {self.values.get(path) for path in changes}
+        faults = [fault for fault in self.faults if fault[0] not in mended]
+        return replace(self, data=data, replaced=self.replaced | set(changes), faults=faults)
 
 
 def read_document(path: Path | str) -> Document:
