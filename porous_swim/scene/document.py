@@ -51,7 +51,7 @@ class Document:
 
     def together(self, lines: Sequence[str]) -> SceneError:
         """Return one error of several lines, at most ten, the first ones, and the number of the others."""
-        more = [f"and {len(lines) - _MOST_LINES:,} more to mend"] if len(lines) > _MOST_LINES else []
+        more = [f"and {len(lines) - _MOST_LINES:,} more mistakes"] if len(lines) > _MOST_LINES else []
         return SceneError("\n".join([*lines[:_MOST_LINES], *more]))
 
     def place(self, path: KeyPath, *, on_key: bool = False) -> Mark | None:

@@ -78,7 +78,7 @@ class Scene(SceneModel):
         save(self, Path(folder))
 
     def warnings(self, field: ObstacleField | None = None) -> list[str]:
-        """Return a sentence for each thing that is doubtful; without `field` the colloids are placed."""
+        """Return a sentence for each thing that is legal and seldom meant; without `field` the colloids are placed."""
         return warnings_of(self, field if field is not None else self.place_obstacles())
 
     @property

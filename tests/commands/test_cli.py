@@ -260,7 +260,7 @@ def test_a_full_disk_is_one_sentence_with_status_1(recording, scene, tmp_path):
     assert results.encounters.num_rows > 0
 
 
-def test_check_names_counts_numbers_and_doubts_without_running(tmp_path):
+def test_check_names_counts_numbers_and_warnings_without_running(tmp_path):
     thermal = next(path for path in SCENES if path.stem == "crystal_thermal")
     result = porous_swim("check", thermal, "--set", "swimmers.dipole_strength=0.8", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
