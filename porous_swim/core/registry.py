@@ -6,13 +6,9 @@ type takes any part registered for it; the part's tag in the file says which.
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import cache, reduce
-from importlib.metadata import EntryPoint, entry_points, packages_distributions, version
 from operator import or_
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
 
@@ -21,8 +17,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from porous_swim.core.console import tell
 from porous_swim.core.parts import Part
-
-GROUP = "porous_swim.parts"  # of the entry points of plug-ins
+from porous_swim.core.plugins import Plugin, load_installed, name_of
 
 
 class OpenPart(Part):
@@ -52,21 +47,12 @@ class OpenPart(Part):
         return handler(_chooser(cls).core_schema if cls.is_role() else schema)
 
 
-@dataclass(frozen=True)
-class Plugin:
-    """Where a part that is not ours comes from."""
-
-    package: str
-    version: str
-    """Of the package; of a part that belongs to none, digits that change with the source of its class."""
-
-
 AnyPart = TypeVar("AnyPart", bound=type[OpenPart])
 Role = TypeVar("Role", bound=OpenPart)
 
 _PARTS: dict[type[OpenPart], dict[str, type[OpenPart]]] = {}  # by role and tag, ours first
 _PLUGINS: dict[type[OpenPart], Plugin] = {}
-_to_load = [GROUP]  # empty once plug-ins have been looked for
+_still_to_load = {"plug-ins"}  # empty once they have been looked for
 
 
 def role_of(part: type) -> type[OpenPart] | None:
@@ -75,8 +61,13 @@ def role_of(part: type) -> type[OpenPart] | None:
 
 
 def add(*parts: type[OpenPart]) -> None:
-    """Add parts of our own to their roles."""
+    """Add parts of our own to their roles; a plug-in that was loaded before and has the word of one gives way."""
     for part in parts:
+        role, (key, tag) = _checked(part)
+        taken = _PARTS.get(role, {}).get(tag)
+        if taken is not None and taken in _PLUGINS:
+            tell(f"warning: {name_of(taken)} is left out: {key}: {tag} is a word of porous_swim's own", sys.stderr)
+            forget(taken)
         _add(part)
 
 
@@ -86,7 +77,7 @@ def register(part: AnyPart) -> AnyPart:
     TypeError where `part` is no such model or lacks a method of its role; ValueError where its tag is taken.
     """
     _add(part)
-    _PLUGINS[part] = _plugin_of_module(part)
+    _PLUGINS[part] = Plugin.of(part)
     return part
 
 
@@ -103,11 +94,6 @@ def parts_of(role: type[Role]) -> dict[str, type[Role]]:
     return dict(_PARTS.get(role, {}))  # type: ignore[arg-type]
 
 
-def roles() -> list[type[OpenPart]]:
-    """Return all roles that have parts."""
-    return list(_PARTS)
-
-
 def plugin_of(part: type) -> Plugin | None:
     """Return where a registered part comes from; None for our own."""
     return _PLUGINS.get(part)
@@ -115,7 +101,7 @@ def plugin_of(part: type) -> Plugin | None:
 
 def skip_plugins() -> None:
     """Leave installed plug-ins out of this process: for files that describe our own parts."""
-    _to_load.clear()
+    _still_to_load.clear()
 
 
 def models_in(annotation: Any) -> list[type[Part]]:
@@ -151,8 +137,8 @@ def parts_in(part: Part) -> Iterator[Part]:
 def _add(part: type[OpenPart]) -> None:
     role, (key, tag) = _checked(part)
     taken = _PARTS.setdefault(role, {}).get(tag)
-    if taken is not None and _name(taken) != _name(part):  # the same again: a notebook's cell was run twice
-        raise ValueError(f"{_name(part)}: {key}: {tag} is taken by {_name(taken)}; choose another word")
+    if taken is not None and name_of(taken) != name_of(part):  # the same again: a notebook's cell was run twice
+        raise ValueError(f"{name_of(part)}: {key}: {tag} is taken by {name_of(taken)}; choose another word")
     if taken is not None:
         _PLUGINS.pop(taken, None)
     _PARTS[role][tag] = part
@@ -165,16 +151,12 @@ def _checked(part: type[OpenPart]) -> tuple[type[OpenPart], tuple[str, str]]:
     tag = tag_of(part)
     field = part.model_fields.get(role.TAG)
     if tag is None or field is None or get_origin(field.annotation) is not Literal or tag[0] != role.TAG:
-        raise TypeError(f'{_name(part)}: expected the field `{role.TAG}: Literal["a_word"]`, which scene files name')
+        raise TypeError(f'{name_of(part)}: expected the field `{role.TAG}: Literal["a_word"]`, which scene files name')
     missing = sorted(getattr(part, "__abstractmethods__", ()))
     if missing:
         needs = " and ".join(missing)
-        raise TypeError(f"{_name(part)}: a {role.__name__} needs {needs}; see porous_swim.{role.__name__}")
+        raise TypeError(f"{name_of(part)}: a {role.__name__} needs {needs}; see porous_swim.{role.__name__}")
     return role, tag
-
-
-def _name(part: type) -> str:
-    return f"{part.__module__}.{part.__qualname__}"
 
 
 def _chooser(role: type[OpenPart]) -> TypeAdapter[Any]:
@@ -188,40 +170,12 @@ def _union(key: str, parts: tuple[type[OpenPart], ...]) -> TypeAdapter[Any]:
 
 
 def _load_plugins() -> None:
-    while _to_load:
-        for entry in entry_points(group=_to_load.pop()):
-            package = entry.dist.name if entry.dist is not None else entry.module
-            try:
-                _load(entry, package)
-            except (Exception, SystemExit) as error:
-                why = f"{type(error).__name__}: {error}".replace("\n", " ")
-                tell(
-                    f"warning: the plug-in {entry.name} of the package {package} cannot be loaded, so that scenes do "
-                    f"not know it: {why}",
-                    sys.stderr,
-                )
+    if _still_to_load:
+        _still_to_load.clear()  # before: a plug-in may itself ask for parts
+        load_installed(_take)
 
 
-def _load(entry: EntryPoint, package: str) -> None:
-    part = entry.load()
+def _take(part: type[OpenPart], plugin: Plugin) -> None:
     if part not in _PLUGINS:  # else its module has registered it
         _add(part)
-    _PLUGINS[part] = Plugin(package, entry.dist.version if entry.dist is not None else _digits(part))
-
-
-def _plugin_of_module(part: type[OpenPart]) -> Plugin:
-    """Name the installed package that a class belongs to; of one in a script of its own, the module."""
-    top = part.__module__.partition(".")[0]
-    packages: Callable[[], Any] = packages_distributions
-    found = packages().get(top, []) if top != "__main__" else []
-    if found:
-        return Plugin(found[0], version(found[0]))
-    return Plugin(_name(part), _digits(part))
-
-
-def _digits(part: type) -> str:
-    try:
-        source = inspect.getsource(part)
-    except (OSError, TypeError):  # typed in by hand
-        return "unknown"
-    return hashlib.sha256(source.encode()).hexdigest()[:16]
+    _PLUGINS[part] = plugin

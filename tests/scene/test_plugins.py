@@ -160,6 +160,22 @@ def test_a_broken_plugin_costs_one_sentence(tmp_path: Path) -> None:
     )
 
 
+def test_ours_is_taken_where_a_plugin_has_its_word(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    install(site)
+    ring = site / "swim_extras" / "ring.py"
+    ring.write_text(ring.read_text().replace('Literal["ring"]', 'Literal["square"]'))
+    own = "import porous_swim.obstacles.layouts as ours; assert parts['square'] is ours.Square"
+    begin = "import porous_swim as ps; from porous_swim.core.registry import parts_of; "
+    drift = "ps.drift([[0, 0, 9]], [[0, 0, 1]], radius=1, dipole_strength=1); "
+    for first, said in (("", "cannot be loaded"), (drift, "swim_extras.ring.Ring is left out: layout: square")):
+        load = f"{begin}{first}import porous_swim.scene.scene; parts = parts_of(ps.Layout); {own}"
+        done = run_with(site, "-c", load, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        (line,) = [line for line in done.stderr.splitlines() if line.startswith("warning")]
+        assert said in line
+
+
 def test_the_identity_of_a_scene_holds_the_version_of_its_plugins(installed: Path, tmp_path: Path) -> None:
     site, path, ours = tmp_path / "site", tmp_path / "plugins.yaml", small_scene(tmp_path)
     install(site)
@@ -228,3 +244,24 @@ print("passed")
 """
     done = run_with(installed, "-c", code, cwd=tmp_path)
     assert (done.returncode, done.stdout.splitlines()[-1:]) == (0, ["passed"]), done.stderr
+
+
+def test_a_class_that_is_defined_again_takes_the_place_of_the_first() -> None:
+    def define(gap: float) -> type[ps.Layout]:
+        class Again(Twin):
+            """A layout of a notebook, whose cell is run twice."""
+
+            layout: Literal["again"]
+
+            def n_colloids(self, domain: Any, folder: Path) -> int:
+                return round(gap)
+
+        return ps.register(Again)
+
+    define(1.0)
+    second = define(3.0)
+    try:
+        assert scene_of(layout="again").n_colloids == 3
+        assert parts_of(ps.Layout)["again"] is second
+    finally:
+        forget(second)
