@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from porous_swim import analysis, theory
     from porous_swim.core.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.engine.probe import contact_height, drift
+    from porous_swim.observers.base import Every, Frame, Observer, RunView
     from porous_swim.reporting.write import report
     from porous_swim.results.loading import load_results
     from porous_swim.results.results import Results
@@ -31,11 +32,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DeviceError",
+    "Every",
     "FailedRun",
+    "Frame",
+    "Observer",
     "PorousSwimError",
     "Results",
     "ResultsError",
     "RunError",
+    "RunView",
     "Scene",
     "SceneError",
     "Simulation",
@@ -55,6 +60,7 @@ __all__ = [
 _HOME = {
     "theory.flow_field": ("flow_field",),
     "core.errors": ("DeviceError", "PorousSwimError", "ResultsError", "RunError", "SceneError"),
+    "observers.base": ("Every", "Frame", "Observer", "RunView"),
     "reporting.write": ("report",),
     "results.results": ("Results",),
     "results.loading": ("load_results",),

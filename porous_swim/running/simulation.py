@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from porous_swim.core.errors import RunError
+from porous_swim.core.state import Remembers, State, restore_parts, state_of
 from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
 from porous_swim.engine.engine import Engine
-from porous_swim.engine.kernel.lags import Lags, n_levels
 from porous_swim.engine.kernel.survey import Groups
 from porous_swim.engine.parameters import Laws, Numbers
 from porous_swim.engine.probe import height_at_sine
 from porous_swim.engine.recent_events import News
+from porous_swim.engine.windows import Windows, n_levels
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.physics.noise import Brownian
@@ -67,8 +70,8 @@ class Simulation:
             variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=news, log_path=log_path,
         )  # fmt: skip
         frames = {"n_frames": scene.n_frames, "burn_in": scene.burn_in_frames}
-        self._survey = self.engine.survey(n_levels=n_levels(**frames))
-        self.lags = Lags(self._survey, period=scene.record_period, **frames)
+        self.survey = self.engine.survey(n_levels=n_levels(**frames))
+        self._windows = Windows(self.survey, period=scene.record_period, **frames)
 
     @property
     def step(self) -> int:
@@ -85,8 +88,9 @@ class Simulation:
         self.engine.advance(n_steps)
 
     def everyone(self) -> Ensemble:
-        """All swimmers together as they are now; takes in their displacements over lags, too, where a frame is due."""
-        return _ensemble(self.lags.note(self.step))
+        """All swimmers together as they are now; at a new frame of the record, windows of its lags end and begin."""
+        start, windows = self._windows.look(self.step)
+        return _ensemble(start, windows)
 
     def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, news: bool | None = None) -> Frame:
         """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`.
@@ -109,6 +113,23 @@ class Simulation:
             under_way=under_way * self.scene.run.time_step, has_news=news,
         )  # fmt: skip
 
+    def state(self) -> dict[str, np.ndarray]:
+        """Where the run stands, as arrays: all that `restore` needs to go on from here, to the bit."""
+        return {"scene_id": np.array(self.scene.scene_id), **state_of(self._parts)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another simulation of the same scene; RunError where it is of another one."""
+        if str(state.get("scene_id")) != self.scene.scene_id:
+            raise RunError(
+                f"this state is of another scene: expected that of {self.scene.name} with the scene_id "
+                f"{self.scene.scene_id}, found {state.get('scene_id')}"
+            )
+        restore_parts(self._parts, state)
+
+    @property
+    def _parts(self) -> dict[str, Remembers]:
+        return {"engine": self.engine, "windows": self._windows}
+
     def table_info(self, provenance: dict[str, Any]) -> TableInfo:
         """What holds for all tables of this run, as of now."""
         scene, units = self.scene, self.scene.unit_system
@@ -120,13 +141,13 @@ class Simulation:
         )  # fmt: skip
 
 
-def _ensemble(groups: Groups) -> Ensemble:
-    """All swimmers together, from sums over groups of them."""
+def _ensemble(groups: Groups, windows: Sequence[tuple[int, Groups]]) -> Ensemble:
+    """All swimmers together, from sums over groups of them, since the start and over windows."""
     n = int(groups.n.sum())
     msd = float(groups.n @ groups.square) / n
     squares = float(np.sum(groups.spread + groups.n * (groups.square - msd) ** 2))
     error = math.sqrt(squares / ((n - 1) * n)) if n > 1 else math.nan
-    return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error)
+    return Ensemble(n, float(groups.bound.sum()) / n, float(groups.contact.sum()) / n, msd, error, windows)
 
 
 def laws_of(scene: Scene) -> Laws:
