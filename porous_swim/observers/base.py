@@ -76,13 +76,13 @@ class Frame:
     ensemble: Ensemble
     has_colloids: bool
     counts: Counts
-    # What is new, over all swimmers, since the last frame that said so; empty where `has_news` is not set.
+    # What is new, over all swimmers, since the last frame that said so; empty where `has_events` is not set.
     residence: np.ndarray  # (n_ended,) float64, a/U: lengths of the encounters that ended
     winding: np.ndarray  # (n_ended,) float64, turns: of those encounters
     under_way: np.ndarray  # (n_bound,) float64, a/U: how long the encounters under way have lasted
     hop_time: np.ndarray  # (n_hops,) float64, a/U: lengths of the flights (hops) that ended
     hops: np.ndarray  # (n_hops, 2, 4) int32, of the same: colloid and periodic image, that left and that entered
-    has_news: bool = True
+    has_events: bool = True
 
     def first(self, n: int) -> Frame:
         """The same of the first `n` swimmers."""
@@ -137,11 +137,11 @@ class Observer:
     n_seen: int | None = None
     """Its frames show so many swimmers, counted from the first; None: as many as the scene records."""
 
-    wants_news: bool = False
+    wants_events: bool = False
     """Whether its frames tell what is new of encounters and hops: `Frame.residence` and those that follow it."""
 
     def initialise(self, run: RunView) -> None:
-        """Get ready; `schedule`, `n_seen` and `wants_news` may still be set here, from what `run` tells."""
+        """Get ready; `schedule`, `n_seen` and `wants_events` may still be set here, from what `run` tells."""
 
     def due(self, step: int) -> int | None:
         """The first step after `step` at which it wants to look; None: the next frame of the record.
@@ -152,9 +152,9 @@ class Observer:
         return None if self.schedule is None else self.schedule.next_step(step)
 
     @property
-    def news_due(self) -> bool:
-        """Whether the next frame is to tell the news; what one does not tell, a later one does."""
-        return self.wants_news
+    def events_due(self) -> bool:
+        """Whether the next frame is to tell of events; those that it does not tell of come with a later one."""
+        return self.wants_events
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame; frames come in order of time, each once."""

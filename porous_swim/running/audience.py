@@ -17,7 +17,7 @@ from porous_swim.running.guests import blaming, due_after, name_of, plain
 from porous_swim.running.outputs import Outputs
 from porous_swim.running.simulation import Simulation
 
-_NEWS = ("residence", "winding", "hop_time", "hops")  # of a frame: these add up from one to the next
+_EVENTS = ("residence", "winding", "hop_time", "hops")  # of a frame: these add up from one to the next
 
 
 @dataclass(eq=False)
@@ -31,14 +31,16 @@ class Seat:
     name: str = ""  # in a state
     next: int = 0  # step at which it looks next
     seen: int = -1  # step at which it looked last
-    news: list[dict[str, np.ndarray]] = field(default_factory=list)  # that others were told since
+    events: list[dict[str, np.ndarray]] = field(default_factory=list)  # that others were told since
     finished: bool = False
 
     def state(self) -> dict[str, np.ndarray]:
-        """What the observer remembers, what it has seen, and the news that wait for it."""
+        """What the observer remembers, what it has seen, and the events that wait for it."""
         own = {f"remembers/{name}": plain(array) for name, array in self.observer.state().items()}
-        news = {f"news/{name}": np.concatenate([each[name] for each in self.news]) for name in _NEWS if self.news}
-        return own | news | {"seen": np.array(self.seen)}
+        events = {
+            f"events/{name}": np.concatenate([each[name] for each in self.events]) for name in _EVENTS if self.events
+        }
+        return own | events | {"seen": np.array(self.seen)}
 
 
 class Audience:
@@ -63,20 +65,20 @@ class Audience:
         with self._watch.timing("statistics"):
             everyone = simulation.everyone()
         with self._watch.timing("recording"):
-            wanted = any(seat.observer.news_due for seat in seats)
-            wanted |= not any(seat.observer.wants_news for seat in self._seats)  # let them go, if any are kept
-            frame = _read_only(simulation.frame(max(map(self._n_seen, seats)), everyone=everyone, news=wanted))
-            if frame.has_news:
+            wanted = any(seat.observer.events_due for seat in seats)
+            wanted |= not any(seat.observer.wants_events for seat in self._seats)  # let them go, if any are kept
+            frame = _read_only(simulation.frame(max(map(self._n_seen, seats)), everyone=everyone, events=wanted))
+            if frame.has_events:
                 self._pass_on(frame)
         for seat in seats:
             seat.seen = step
             with self._watch.timing(seat.task), self._guarding(seat):
-                seat.observer.observe(self._shown(frame, seat, told=frame.has_news and seat.observer.news_due))
+                seat.observer.observe(self._shown(frame, seat, told=frame.has_events and seat.observer.events_due))
             seat.next = due_after(seat.observer, step, simulation.scene)
         self.dismiss_lost()
 
     def catch_up(self, observer: Observer) -> Frame:
-        """The present frame with all the news that an observer has not been told."""
+        """The present frame with all the events that an observer has not been told of."""
         seat = next(seat for seat in self._seats if seat.observer is observer)
         frame = self._simulation.frame(self._n_seen(seat))
         self._pass_on(frame)
@@ -128,8 +130,8 @@ class Audience:
                 raise RunError(f"this state is of a run with other observers: it lacks {name_of(seat.observer)}")
             with nullcontext() if seat.own else blaming(seat.observer, "in restore"):
                 seat.observer.restore(part_of(own, "remembers"))
-            news = part_of(own, "news")
-            seat.seen, seat.news = int(own["seen"]), [news] if news else []
+            events = part_of(own, "events")
+            seat.seen, seat.events = int(own["seen"]), [events] if events else []
             seat.next = 0 if seat.seen < 0 else due_after(seat.observer, seat.seen, self._simulation.scene)
 
     def _n_seen(self, seat: Seat) -> int:
@@ -137,20 +139,20 @@ class Audience:
         return self._simulation.scene.n_recorded if n is None else n
 
     def _pass_on(self, frame: Frame) -> None:
-        """Keep the news of a frame for each who wants them."""
+        """Keep the events that a frame tells of for each who wants them."""
         for seat in self._seats:
-            if seat.observer.wants_news:
-                seat.news.append({name: getattr(frame, name) for name in _NEWS})
+            if seat.observer.wants_events:
+                seat.events.append({name: getattr(frame, name) for name in _EVENTS})
 
     def _shown(self, frame: Frame, seat: Seat, *, told: bool) -> Frame:
         """A frame as one observer sees it."""
         shown = frame.first(self._n_seen(seat))
         if told:
-            news: dict[str, Any] = {name: np.concatenate([each[name] for each in seat.news]) for name in _NEWS}
-            seat.news = []
-            return _read_only(replace(shown, **news, has_news=True))
-        nothing: dict[str, Any] = {name: getattr(frame, name)[:0] for name in (*_NEWS, "under_way")}
-        return replace(shown, **nothing, has_news=False)
+            events: dict[str, Any] = {name: np.concatenate([each[name] for each in seat.events]) for name in _EVENTS}
+            seat.events = []
+            return _read_only(replace(shown, **events, has_events=True))
+        nothing: dict[str, Any] = {name: getattr(frame, name)[:0] for name in (*_EVENTS, "under_way")}
+        return replace(shown, **nothing, has_events=False)
 
     @contextmanager
     def _guarding(self, seat: Seat, where: str | None = None) -> Iterator[None]:

@@ -82,8 +82,8 @@ def run_in(
         with interrupts.while_compiling(), watch.timing("compiling"):
             recording = recording and folder is not None
             log_path = None if folder is None else folder.path / ROWS
-            news = recording or any(guest.wants_news for guest in guests)
-            simulation = Simulation(scene, start, news=news, log_path=log_path)
+            events = recording or any(guest.wants_events for guest in guests)
+            simulation = Simulation(scene, start, events=events, log_path=log_path)
         stack.callback(simulation.engine.close)
         observers = Observers(simulation, folder, watch, progress=progress, recording=recording, guests=guests)
         try:

@@ -49,16 +49,16 @@ class Simulation:
     """A scene placed on a device: advance it step by step with `advance` and look at `frame`."""
 
     def __init__(
-        self, scene: Scene, start: Start | None = None, *, lanes: int | None = None, news: bool = True,
+        self, scene: Scene, start: Start | None = None, *, lanes: int | None = None, events: bool = True,
         log_path: Path | None = None,
     ) -> None:  # fmt: skip
         """Compile the kernel for a scene and its start, by default `Start.of(scene)`.
 
-        `lanes` is the number of swimmers to a block; it changes the speed only. `news` keeps what frames tell of the
+        `lanes` is the number of swimmers to a block; it changes the speed only. `events` keeps what frames tell of the
         encounters since the last. Many encounters wait in the file `log_path`, without one in memory.
         """
         start = Start.of(scene) if start is None else start
-        self.scene, self.backend, self.field, self._keeps_news = scene, start.backend, start.field, news
+        self.scene, self.backend, self.field, self._keeps_events = scene, start.backend, start.field, events
         noise = scene.noise
         self.engine = Engine(
             self.backend, self.field, start.swimmers.position, start.swimmers.director, laws=laws_of(scene),
@@ -67,7 +67,7 @@ class Simulation:
                 scene.flight_ticks,
             ),
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
-            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=news, log_path=log_path,
+            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=events, log_path=log_path,
         )  # fmt: skip
         frames = {"n_frames": scene.n_frames, "burn_in": scene.burn_in_frames}
         self.survey = self.engine.survey(n_levels=n_levels(**frames))
@@ -92,16 +92,16 @@ class Simulation:
         start, windows = self._windows.look(self.step)
         return _ensemble(start, windows)
 
-    def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, news: bool | None = None) -> Frame:
-        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `news`.
+    def frame(self, n: int | None = None, *, everyone: Ensemble | None = None, events: bool | None = None) -> Frame:
+        """The first `n` swimmers as they are now, by default all, and what is new since the last frame with `events`.
 
-        `everyone` is what `everyone()` says, where that has been asked already; `news` is by default what the
+        `everyone` is what `everyone()` says, where that has been asked already; `events` is by default what the
         simulation keeps.
         """
-        news = self._keeps_news if news is None else news and self._keeps_news
+        events = self._keeps_events if events is None else events and self._keeps_events
         everyone = self.everyone() if everyone is None else everyone
         now = self.engine.snapshot(n)
-        new, under_way = self.engine.news() if news else (News.joined([]), np.zeros(0))
+        new, under_way = self.engine.news() if events else (News.joined([]), np.zeros(0))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)
@@ -110,7 +110,7 @@ class Simulation:
             image=now.image, state=state, ensemble=everyone, has_colloids=len(self.field.radii) > 0,
             counts=Counts(*self.engine.counts()),
             residence=new.residence, winding=new.winding, hop_time=new.hop_time, hops=new.hops,
-            under_way=under_way * self.scene.run.time_step, has_news=news,
+            under_way=under_way * self.scene.run.time_step, has_events=events,
         )  # fmt: skip
 
     def state(self) -> dict[str, np.ndarray]:

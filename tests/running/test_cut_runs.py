@@ -35,9 +35,9 @@ CUT = 0.55  # of the run, in steps of a flight: between two frames
 
 
 class Hops(ps.Observer):
-    """A user's observer with a memory and the news of encounters."""
+    """A user's observer with a memory that is told of encounters."""
 
-    wants_news = True
+    wants_events = True
 
     def __init__(self) -> None:
         self.seen = np.zeros(0)
@@ -46,8 +46,8 @@ class Hops(ps.Observer):
         self.schedule = ps.Every(40 * run.flight_ticks)
 
     def observe(self, frame: ps.Frame) -> None:
-        news = np.sort(frame.winding), np.sort(frame.hop_time), np.sort(frame.hops, axis=None)
-        self.seen = np.concatenate([self.seen, [frame.time], *news])
+        events = np.sort(frame.winding), np.sort(frame.hop_time), np.sort(frame.hops, axis=None)
+        self.seen = np.concatenate([self.seen, [frame.time], *events])
 
     def state(self) -> dict[str, np.ndarray]:
         return {"seen": self.seen}

@@ -41,9 +41,9 @@ class Steps(ps.Observer):
 
 
 class Telling(Steps):
-    """Wants the news."""
+    """Wants to be told of events."""
 
-    wants_news = True
+    wants_events = True
 
 
 class Failing(Steps):
@@ -92,7 +92,7 @@ def test_an_observer_sees_what_the_trajectory_holds_of_as_many_swimmers_as_it_wa
         assert whole.ensemble == empty.ensemble
 
 
-def test_the_news_of_each_observer_are_all_encounters_that_ended_since_it_looked(scene, tmp_path):
+def test_each_observer_is_told_of_all_encounters_that_ended_since_it_looked(scene, tmp_path):
     scene = scene.replace({"run.duration": 40.0, "record.every": 1.0, "swimmers.dipole_strength": 2.0})
     often, seldom, deaf = Telling(ps.Every(130)), Telling(ps.Every(7000)), Steps(ps.Every(500))
     results = ps.run(scene, observers=[often, seldom, deaf], out=tmp_path / "run")
@@ -104,7 +104,7 @@ def test_the_news_of_each_observer_are_all_encounters_that_ended_since_it_looked
         # the table computes times from the start; two roundings of 40 a/U
         np.testing.assert_allclose(np.sort(told), np.sort(length), atol=1e-13)
         assert sum(len(frame.hops) for frame in observer.frames) == observer.frames[-1].counts.n_hops > 0
-    assert not any(frame.has_news or len(frame.residence) for frame in deaf.frames)
+    assert not any(frame.has_events or len(frame.residence) for frame in deaf.frames)
 
 
 def test_what_an_observer_sees_cannot_be_changed(scene):

@@ -65,7 +65,7 @@ class HopTrack(Pictures):
         self._counts = HopCounts()
 
     def count(self, frame: Frame) -> None:
-        """Count the hops since the news before."""
+        """Count the hops since the events before."""
         self._counts.add(frame.hops)
 
     def state(self) -> dict[str, np.ndarray]:

@@ -9,20 +9,20 @@ import numpy as np
 from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 
-MOST = 20  # over a run: what they show is seen to grow; each takes some ms of the news, of sorting, and of Rerun
+MOST = 20  # over a run: what they show is seen to grow; each takes some ms of events, of sorting, and of Rerun
 
 
 class Pictures(ABC):
-    """Sees every frame of a run of `n_frames`, draws some `MOST` of them, and the last. Those need news."""
+    """Sees every frame of a run of `n_frames`, draws some `MOST` of them, and the last. Those need events."""
 
     def __init__(self, *, n_frames: int) -> None:
         self._every = max(1, n_frames // MOST)
         self._n_seen = 0
-        self._waiting: tuple[int, float] | None = None  # step and time of the last news, unless it has been drawn
+        self._waiting: tuple[int, float] | None = None  # step and time of the last events, unless those have been drawn
 
     @abstractmethod
     def count(self, frame: Frame) -> None:
-        """Take in the news of a frame."""
+        """Take in the events of a frame."""
 
     @abstractmethod
     def draw(self, *, step: int, time: float) -> None:
@@ -37,7 +37,7 @@ class Pictures(ABC):
         """Count; draw where that is due."""
         due = self.due
         self._n_seen += 1
-        if not frame.has_news:
+        if not frame.has_events:
             return
         self.take(frame)
         if due:

@@ -78,7 +78,7 @@ class Recording(Observer):
     """
 
     schedule: Every
-    wants_news = True
+    wants_events = True
 
     def __init__(
         self,
@@ -123,17 +123,17 @@ class Recording(Observer):
         self._results = markdown
 
     @property
-    def news_due(self) -> bool:
+    def events_due(self) -> bool:
         """Whether the next frame is to tell what is new; the others need not."""
         return self._file is None or any(picture.due for picture in self._pictures)
 
     @property
     def is_behind(self) -> bool:
-        """Whether the last frame was seen without its news, which the pictures of the end need: see `catch_up`."""
-        return self._last is not None and not self._last.has_news
+        """Whether the last frame was seen without its events, which the pictures of the end need: see `catch_up`."""
+        return self._last is not None and not self._last.has_events
 
     def catch_up(self, frame: Frame) -> None:
-        """Take in the news alone of the last frame, which is `frame`."""
+        """Take in the events alone of the last frame, which is `frame`."""
         for picture in self._pictures:
             picture.take(frame)
 

@@ -100,7 +100,7 @@ class DistributionTrack(Pictures):
         return tuple(name for name in self._names if name in self._pictures)
 
     def count(self, frame: Frame) -> None:
-        """Count what ended since the news before."""
+        """Count what ended since the events before."""
         for name, histogram in self._histograms.items():
             histogram.add(getattr(frame, name))
         self._ended.append(frame.residence)
