@@ -76,7 +76,7 @@ class Frame:
     ensemble: Ensemble
     has_colloids: bool
     counts: Counts
-    # What is new, over all swimmers, since the last frame that said so; empty where `has_events` is not set.
+    # Of all swimmers; what ended did so since the last frame that told of events. Empty where `has_events` is not set.
     residence: np.ndarray  # (n_ended,) float64, a/U: lengths of the encounters that ended
     winding: np.ndarray  # (n_ended,) float64, turns: of those encounters
     under_way: np.ndarray  # (n_bound,) float64, a/U: how long the encounters under way have lasted
@@ -138,7 +138,7 @@ class Observer:
     """Its frames show so many swimmers, counted from the first; None: as many as the scene records."""
 
     wants_events: bool = False
-    """Whether its frames tell what is new of encounters and hops: `Frame.residence` and those that follow it."""
+    """Whether its frames tell of encounters and hops: `Frame.residence` and those that follow it."""
 
     def initialise(self, run: RunView) -> None:
         """Get ready; `schedule`, `n_seen` and `wants_events` may still be set here, from what `run` tells."""
@@ -163,7 +163,7 @@ class Observer:
         """Write what waits to disk: called once a minute, so that a run that is killed leaves it."""
 
     def finish(self, *, interrupted: bool) -> None:
-        """Close what is open. Called once, also after an interrupt or an error."""
+        """Close what is open. Called once, also after an interrupt or an error, when the results are made."""
 
     def state(self) -> dict[str, np.ndarray]:
         """What it remembers, as arrays of numbers, booleans or text: see `core.state.Remembers`."""

@@ -67,7 +67,8 @@ class Simulation:
                 scene.flight_ticks,
             ),
             hydrodynamics=type(scene.hydrodynamics), precision=scene.precision, integrator=scene.integrator,
-            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=events, log_path=log_path,
+            variates=noise.variates if isinstance(noise, Brownian) else None, lanes=lanes, news=events,
+            log_path=log_path,
         )  # fmt: skip
         frames = {"n_frames": scene.n_frames, "burn_in": scene.burn_in_frames}
         self.survey = self.engine.survey(n_levels=n_levels(**frames))
