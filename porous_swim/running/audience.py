@@ -73,7 +73,8 @@ class Audience:
         for seat in seats:
             seat.seen = step
             with self._watch.timing(seat.task), self._guarding(seat):
-                seat.observer.observe(self._shown(frame, seat, told=frame.has_events and seat.observer.events_due))
+                told = frame.has_events and seat.observer.wants_events and seat.observer.events_due
+                seat.observer.observe(self._shown(frame, seat, told=told))
             seat.next = due_after(seat.observer, step, simulation.scene)
         self.dismiss_lost()
 

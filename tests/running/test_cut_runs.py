@@ -46,7 +46,7 @@ class Hops(ps.Observer):
         self.schedule = ps.Every(40 * run.flight_ticks)
 
     def observe(self, frame: ps.Frame) -> None:
-        events = np.sort(frame.winding), np.sort(frame.hop_time), np.sort(frame.hops, axis=None)
+        events = (np.sort(each, axis=None) for each in (frame.winding, frame.residence, frame.hop_time, frame.hops))
         self.seen = np.concatenate([self.seen, [frame.time], *events])
 
     def state(self) -> dict[str, np.ndarray]:
