@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from porous_swim.core.errors import DeviceError, PorousSwimError, ResultsError, RunError, SceneError
     from porous_swim.core.parts import Part
     from porous_swim.engine.probe import contact_height, drift
+    from porous_swim.observers.base import Every, Frame, Observer, RunView
     from porous_swim.obstacles.base import Layout
     from porous_swim.physics.flow import Flow
     from porous_swim.reporting.write import report
@@ -36,15 +37,19 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DeviceError",
+    "Every",
     "FailedRun",
     "Flow",
+    "Frame",
     "Layout",
+    "Observer",
     "Part",
     "PorousSwimError",
     "Release",
     "Results",
     "ResultsError",
     "RunError",
+    "RunView",
     "Scene",
     "SceneError",
     "Simulation",
@@ -70,6 +75,7 @@ _HOME = {
     "physics.flow": ("Flow",),
     "swimmers.base": ("Release",),
     "scene.parts": ("register",),
+    "observers.base": ("Every", "Frame", "Observer", "RunView"),
     "reporting.write": ("report",),
     "results.results": ("Results",),
     "results.loading": ("load_results",),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from porous_swim.core.state import State
 from porous_swim.engine.kernel.log import CLOCKS, LogInt, LogLong, log_columns
 from porous_swim.engine.spill import RowStore, row_type
 from porous_swim.obstacles.field import ObstacleField
@@ -50,6 +51,14 @@ class Records:
         """
         for rows in self._store.parts(self._rows(*under_way, censored=True)):
             yield self._table(rows)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The rows so far."""
+        return self._store.state()
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such run: see `RowStore.restore`."""
+        self._store.restore(state)
 
     def close(self) -> None:
         """Forget what lies on disk."""

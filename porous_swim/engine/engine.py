@@ -9,6 +9,7 @@ import numpy as np
 from taichi.lang.util import to_numpy_type
 
 from porous_swim.core.errors import DeviceError, RunError
+from porous_swim.core.state import Remembers, State, fitting, restore_parts, state_of
 from porous_swim.engine.backend import Backend, check_alive, whole_vectors
 from porous_swim.engine.dynamics import Dynamics, Tuning
 from porous_swim.engine.encounter_log import Records
@@ -165,9 +166,33 @@ class Engine:
         parts = list(self.encounter_parts())
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
+    def state(self) -> dict[str, np.ndarray]:
+        """All swimmers and what is kept of their encounters, between two launches."""
+        self._drain()
+        arrays = {name: on_host(getattr(self._swimmers, name)) for name in ("real", "int", "long")}
+        return {"step": np.array(self.step), "total": self._total.copy(), **arrays, **state_of(self._remembers)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another engine of the same swimmers in the same field.
+
+        Raises:
+            RunError: the state is of another run, or rows of encounters are missing on disk.
+        """
+        for name in ("real", "int", "long"):
+            table = getattr(self._swimmers, name)
+            to_device(fitting(state, name, on_host(table)), table)
+        self._total = fitting(state, "total", np.zeros(len(Total), np.int64)).copy()
+        to_device(self._total, self._swimmers.total)
+        restore_parts(self._remembers, state)
+        self.step = int(state["step"])
+
     def close(self) -> None:
         """Forget what lies on disk."""
         self._records.close()
+
+    @property
+    def _remembers(self) -> dict[str, Remembers]:
+        return {"encounters": self._records} | ({} if self._desk is None else {"desk": self._desk})
 
     def _in_contact(self, swimmer: np.ndarray, height: np.ndarray, sine: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Which swimmers, (m,) bool, are in the contact band at heights above colloids, sines of the pitch, radii."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from porous_swim.core.state import State, fitting
 from porous_swim.engine.kernel.log import LogInt, LogLong, log_columns
 
 
@@ -57,6 +58,18 @@ class NewsDesk:
         latest = News(nothing, nothing, *self._hops(who[new], host[new], start[new], end))
         news, self._waiting = News.joined([*self._waiting, latest]), []
         return news
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What waits to be told, and the latest encounter of each swimmer."""
+        return vars(News.joined(self._waiting)) | {
+            "last_start": self._last_start, "last_end": self._last_end, "last_host": self._last_host
+        }  # fmt: skip
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such run."""
+        last = (fitting(state, f"last_{name}", getattr(self, f"_last_{name}")) for name in ("start", "end", "host"))
+        self._last_start, self._last_end, self._last_host = (array.copy() for array in last)
+        self._waiting = [News(*(state[item.name].copy() for item in fields(News)))]
 
     def _hops(
         self, who: np.ndarray, host: np.ndarray, start: np.ndarray, end: np.ndarray

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from porous_swim.core.errors import RunError
+from porous_swim.core.state import State
 from porous_swim.engine.kernel.log import N_LOG_INTS, LogInt, LogLong, log_columns
 
 PIECE = 1 << 19  # rows that wait in memory before they go to disk: some 100 MB
@@ -17,7 +19,10 @@ AT_ONCE = 1 << 18  # rows that become a part of the table, where no shelf has mo
 
 def row_type(dimensions: int, real: np.dtype | type) -> np.dtype:
     """A row of the log on the host; `censored` where the encounter was still under way."""
-    n_real = log_columns(dimensions).n_real
+    return _row_type(log_columns(dimensions).n_real, real)
+
+
+def _row_type(n_real: int, real: np.dtype | type) -> np.dtype:
     fields = [
         ("real", real, n_real), ("int", np.int32, N_LOG_INTS), ("long", np.int64, len(LogLong)), ("censored", bool)
     ]  # fmt: skip
@@ -68,6 +73,43 @@ class RowStore:
         """Remove the file."""
         if self._path is not None:
             self._path.unlink(missing_ok=True)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The fields of the rows in memory; of the rows on disk their places there: the file goes on where it is."""
+        pieces = list(zip(self._pieces, self._bounds, strict=True))
+        on_disk = [(piece, bounds) for piece, bounds in pieces if not isinstance(piece, np.ndarray)]
+        rows = [piece for piece, _ in pieces if isinstance(piece, np.ndarray)] + self._waiting
+        rows += [np.empty(0, dtype) for (_, dtype), _ in on_disk[:1]]
+        if not rows:
+            return {}
+        fields = {name: np.concatenate([part[name] for part in rows]) for name in rows[0].dtype.names or ()}
+        return fields | {
+            "bytes": np.array([byte for (byte, _), _ in on_disk], dtype=np.int64),
+            "bounds": np.array([bounds for _, bounds in on_disk], dtype=np.int64).reshape(-1, len(self._edges)),
+        }
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another store; RunError where its file, if it had one, is not at the same path."""
+        self._waiting, self._n_waiting, self._pieces, self._bounds = [], 0, [], []
+        if not state:
+            return
+        dtype = _row_type(state["real"].shape[1], state["real"].dtype)
+        self._bounds = list(state["bounds"].copy())
+        self._pieces = [(byte, dtype) for byte in state["bytes"].tolist()]
+        if self._pieces:
+            self._cut(int(state["bytes"][-1]) + int(self._bounds[-1][-1]) * dtype.itemsize)
+        rows = np.empty(len(state["real"]), dtype)
+        for name in dtype.names or ():
+            rows[name] = state[name]
+        self.add(rows)
+
+    def _cut(self, end: int) -> None:
+        """Forget what was written to the file behind byte `end`."""
+        there = self._path.stat().st_size if self._path is not None and self._path.exists() else 0
+        if self._path is None or there < end:
+            place = self._path or "encounters"
+            raise RunError(f"{place}: expected {end:,} bytes of encounters on disk, found {there:,}")
+        os.truncate(self._path, end)
 
     def _sorted(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """An order of rows by shelves, and where in it these begin and end."""

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Protocol, TextIO, cast
+from typing import TextIO, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from porous_swim.core.console import Unfailing, tell
-from porous_swim.observers.base import Every, Frame
+from porous_swim.observers.base import Frame, Observer, Schedule
 
 _LINE_SECONDS = 30.0  # between two lines of a log: a day's run writes less than 3000
 
 
-class Clock(Protocol):
+class Clock(Observer):
     """Observer of progress whose clock starts when it is told to: compiling is no part of a rate."""
 
-    schedule: Every
+    def __init__(self, schedule: Schedule) -> None:
+        self.schedule = schedule
 
     def start(self, *, step: int) -> None:
         """Time counts from here, at `step`."""
-
-    def observe(self, frame: Frame) -> None:
-        """Take in one frame."""
 
     def end(self, *, interrupted: bool) -> None:
         """Time counts no more: the swimmers have arrived."""
@@ -33,12 +31,9 @@ class Clock(Protocol):
     def tabulate(self, share: float) -> None:
         """That `share`, 0 to 1, of the encounters is in their table."""
 
-    def finish(self, *, interrupted: bool) -> None:
-        """Take the bar away, or write the last line."""
-
 
 def make_progress(
-    schedule: Every, *, n_steps: int, n_swimmers: int, quiet: bool, stream: TextIO | None = None,
+    schedule: Schedule, *, n_steps: int, n_swimmers: int, quiet: bool, stream: TextIO | None = None,
     seconds: float | None = None,
 ) -> Clock:  # fmt: skip
     """The progress that suits `stream` (stderr by default): none, a bar, or lines; `seconds` are those in a/U.
@@ -52,26 +47,11 @@ def make_progress(
     return kind(schedule, n_steps=n_steps, n_swimmers=n_swimmers, stream=stream, seconds=seconds)
 
 
-class NoProgress:
+class NoProgress(Clock):
     """Says nothing."""
-
-    def __init__(self, schedule: Every) -> None:
-        self.schedule = schedule
-
-    def start(self, *, step: int) -> None:
-        """Nothing to time."""
 
     def observe(self, frame: Frame) -> None:
         """Nothing to say."""
-
-    def end(self, *, interrupted: bool) -> None:
-        """Nothing to time."""
-
-    def tabulate(self, share: float) -> None:
-        """Nothing to say."""
-
-    def finish(self, *, interrupted: bool) -> None:
-        """Nothing to close."""
 
 
 class _Rate:
@@ -95,13 +75,14 @@ class _Rate:
         return self.elapsed() * (n_steps - step) / done if done > 0 else None
 
 
-class ProgressLines:
+class ProgressLines(Clock):
     """A line at the start of the clock, then at most one in 30 s, and one at the end."""
 
     def __init__(
-        self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
+        self, schedule: Schedule, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
     ) -> None:
-        self.schedule, self._seconds = schedule, seconds
+        super().__init__(schedule)
+        self._seconds = seconds
         self._n_steps, self._stream, self._rate = n_steps, stream, _Rate(n_swimmers=n_swimmers)
         self._last_line = time.monotonic()
         self._last: Frame | None = None
@@ -141,13 +122,14 @@ class ProgressLines:
         tell(line, self._stream)
 
 
-class ProgressBar:
+class ProgressBar(Clock):
     """A bar with rate, fraction bound and time left, on a terminal; gone when the run is over."""
 
     def __init__(
-        self, schedule: Every, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
+        self, schedule: Schedule, *, n_steps: int, n_swimmers: int, stream: TextIO, seconds: float | None = None
     ) -> None:
-        self.schedule, self._seconds = schedule, seconds
+        super().__init__(schedule)
+        self._seconds = seconds
         self._rate = _Rate(n_swimmers=n_swimmers)
         columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
         self._bar = Bar(

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pyarrow as pa
 
-from porous_swim.observers.base import Every, Frame
+from porous_swim.core.state import State
+from porous_swim.observers.base import Frame, Observer, Schedule
 from porous_swim.results.tables import TIMESERIES_SCHEMA, TableInfo
 
 
-class TimeSeries:
+class TimeSeries(Observer):
     """A row per frame; columns of `TIMESERIES_SCHEMA`."""
 
-    def __init__(self, schedule: Every) -> None:
+    def __init__(self, schedule: Schedule) -> None:
         self.schedule = schedule
         self._rows: list[dict[str, float | int | None]] = []
 
@@ -32,8 +36,17 @@ class TimeSeries:
             }
         )
 
-    def finish(self, *, interrupted: bool) -> None:
-        """Nothing is open: rows are kept in memory, 80 bytes a frame."""
+    def state(self) -> dict[str, np.ndarray]:
+        """The columns so far; they are kept in memory, 80 bytes a frame. NaN where a value is unknown."""
+        return {
+            name: np.array([math.nan if row[name] is None else row[name] for row in self._rows])
+            for name in TIMESERIES_SCHEMA.names
+        }
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such run."""
+        columns = [[None if value != value else value for value in column.tolist()] for column in state.values()]
+        self._rows = [dict(zip(state, row, strict=True)) for row in zip(*columns, strict=True)]
 
     def table(self, info: TableInfo) -> pa.Table:
         """All rows so far, with `info` attached."""

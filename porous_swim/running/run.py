@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -12,11 +12,13 @@ from porous_swim.core.console import tell
 from porous_swim.core.errors import RunError
 from porous_swim.core.stopwatch import Stopwatch
 from porous_swim.engine.backend import Backend
+from porous_swim.observers.base import Observer
 from porous_swim.results.encounter_table import ROWS
 from porous_swim.results.results import Results
 from porous_swim.results.run_folder import RunFolder
 from porous_swim.running.costs import compiling_seconds
 from porous_swim.running.footprint import require_memory
+from porous_swim.running.guests import introduce
 from porous_swim.running.interrupts import Interrupts
 from porous_swim.running.observation import Observers
 from porous_swim.running.simulation import Simulation, Start
@@ -28,7 +30,7 @@ LOOK_SECONDS = 0.5  # between looks at the keyboard and at the clock; decides no
 
 def run(
     scene: Scene, *, out: Path | str | None = None, overwrite: bool = False, progress: bool = False,
-    recording: bool = True, force_memory: bool = False,
+    recording: bool = True, force_memory: bool = False, observers: Sequence[Observer] = (),
 ) -> Results:  # fmt: skip
     """Run a scene to its end and return its results.
 
@@ -39,13 +41,14 @@ def run(
         progress: say on stderr how far the run is.
         recording: write `recording.rrd`.
         force_memory: start even where the run is expected to need more memory than there is.
+        observers: objects of your own subclasses of `Observer`, which look at the run at their own schedules.
 
     Raises:
         SceneError: colloids overlap, swimmers do not fit, or the run does not fit into memory.
         DeviceError: the device of the scene is not here.
         ResultsError: `out` is not empty, another run is under way in it, or it cannot be written.
-        RunError: a swimmer could not go on, or a file could not be written; `out` keeps what was seen, as far as it
-            can, and its summary says what is missing.
+        RunError: a swimmer could not go on, a file could not be written, or one of `observers` failed; `out` keeps
+            what was seen, as far as it can, and its summary says what is missing.
 
     An interrupt (Ctrl-C, SIGTERM, SIGHUP) ends the run at the next look; the results say `interrupted`.
     """
@@ -54,13 +57,13 @@ def run(
         lambda: (
             None if out is None else RunFolder.at(out, overwrite=overwrite, inputs=scene.inputs, say=say)
         ),
-        scene=scene, progress=progress, recording=recording, force_memory=force_memory,
+        scene=scene, progress=progress, recording=recording, force_memory=force_memory, guests=observers,
     )  # fmt: skip
 
 
 def run_in(
     make_folder: Callable[[], RunFolder | None], *, scene: Scene, progress: bool, recording: bool = True,
-    force_memory: bool = False,
+    force_memory: bool = False, guests: Sequence[Observer] = (),
 ) -> Results:  # fmt: skip
     """The same in a folder that is made only when the scene is known to start, so that a mistake costs no old run."""
     watch = Stopwatch()
@@ -69,6 +72,7 @@ def run_in(
             require_memory(scene)
         with watch.timing("placing"):
             start = Start.of(scene)
+        introduce(guests, scene, start.field)
         folder = make_folder()
         if folder is not None:
             stack.enter_context(folder)
@@ -78,9 +82,10 @@ def run_in(
         with interrupts.while_compiling(), watch.timing("compiling"):
             recording = recording and folder is not None
             log_path = None if folder is None else folder.path / ROWS
-            simulation = Simulation(scene, start, news=recording, log_path=log_path)
+            events = recording or any(guest.wants_events for guest in guests)
+            simulation = Simulation(scene, start, events=events, log_path=log_path)
         stack.callback(simulation.engine.close)
-        observers = Observers(simulation, folder, watch, progress=progress, recording=recording)
+        observers = Observers(simulation, folder, watch, progress=progress, recording=recording, guests=guests)
         try:
             rate = _advance(simulation, observers, interrupts, watch)
             results = observers.results(rate=rate, signal=interrupts.name)
@@ -97,13 +102,13 @@ def run_in(
 
 def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupts, watch: Stopwatch) -> float | None:
     """Run to the end or to an interrupt; return swimmer-steps per second."""
-    end, schedule = simulation.scene.n_steps, observers.schedule
+    end = simulation.scene.n_steps
     watch.seconds["swimming"] = 0.0  # told before what the first look takes
     observers.observe()
     observers.clock.start(step=0)
     begin, at_once = time.perf_counter(), simulation.scene.flight_ticks
     while simulation.step < end and not interrupts:
-        due = min(schedule.next_step(simulation.step), end)
+        due = min(observers.next_step, end)
         last = time.perf_counter()
         with watch.timing("swimming"):
             simulation.advance(min(at_once, due - simulation.step))
@@ -111,7 +116,7 @@ def _advance(simulation: Simulation, observers: Observers, interrupts: Interrupt
         if simulation.step == due:
             observers.observe()
         observers.keep()
-    observers.observe()  # an interrupt may come between two frames
+    observers.observe(last=True)  # an interrupt may come between two frames
     observers.clock.end(interrupted=simulation.step < end)
     steps = simulation.step * simulation.engine.n_swimmers
     return steps / (time.perf_counter() - begin) if steps > 0 else None

@@ -10,7 +10,8 @@ import pytest
 import porous_swim as ps
 from porous_swim.analysis.transport.diffusive_window import Memory, choose
 from porous_swim.analysis.transport.transport import tracks
-from porous_swim.engine.kernel.lags import OPEN, spacings
+from porous_swim.engine.windows import OPEN, spacings
+from porous_swim.observers.lags import Lags
 from porous_swim.results.tables import LAGS_SCHEMA, TableInfo, make_table
 from tests.support import synthetic
 from tests.support.commands import SMALL
@@ -31,6 +32,11 @@ record: {every: 0.5, swimmers: 0, trails: 0}
 def scene_of(folder: Path, text: str, **changes: object) -> ps.Scene:
     (folder / "scene.yaml").write_text(text)
     return ps.load_scene(folder / "scene.yaml").replace(changes)
+
+
+def lags_of(simulation: ps.Simulation) -> Lags:
+    scene = simulation.scene
+    return Lags(simulation.survey.group_sizes, period=scene.record_period)
 
 
 def columns(table) -> dict[str, np.ndarray]:
@@ -122,10 +128,11 @@ def test_windows_of_every_lag_begin_all_through_the_run_that_has_room_for_them(n
 
 def test_an_interrupted_run_has_lags_up_to_half_of_what_was_seen(tmp_path):
     simulation = ps.Simulation(scene_of(tmp_path, FREE, **{"swimmers.count": 50}))
+    lags = lags_of(simulation)
     for _ in range(40):  # of 64 frames
         simulation.advance(simulation.scene.record_period)
-        simulation.everyone()
-    assert simulation.lags.columns()["lag"].max() == 20
+        lags.observe(simulation.frame())
+    assert lags.columns()["lag"].max() == 20
 
 
 def test_time_series_are_those_of_the_trajectories_of_all_swimmers(tmp_path):
@@ -174,11 +181,12 @@ def test_sums_do_not_depend_on_threads_or_on_what_is_recorded(tmp_path):
 def test_a_frame_that_is_left_out_spoils_no_lag(tmp_path):
     scene = scene_of(tmp_path, FREE, **{"swimmers.count": 50, "noise": {"kind": "none"}, "run.duration": 16.0})
     simulation = ps.Simulation(scene)
+    lags = lags_of(simulation)
     for n in (1, 1, 1, 2, 1, 1, 3, 1, 1, 1, 4):  # frames to the next look
         simulation.advance(n * scene.record_period)
-        simulation.frame()
-        simulation.frame()  # looking twice counts once
-    found = simulation.lags.columns()
+        lags.observe(simulation.frame())
+        lags.observe(simulation.frame())  # looking twice counts once
+    found = lags.columns()
     assert len(np.unique(found["lag"])) > 3
     # straight swimmers: each window's displacement is its length, in a, of frames of 0.5
     np.testing.assert_allclose(found["msd"], (0.5 * found["lag"]) ** 2, rtol=1e-6)

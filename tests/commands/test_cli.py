@@ -31,8 +31,12 @@ TOO_STRONG = """
 from dataclasses import replace
 from porous_swim.commands import cli
 from porous_swim.running import simulation
-laws_of = simulation.laws_of
-simulation.laws_of = lambda scene: replace(laws_of(scene), dipole_strength=laws_of(scene).dipole_strength * 1e35)
+dynamics_of = simulation.dynamics_of
+def too_strong(scenes):
+    found = dynamics_of(scenes)
+    factors = [1e35 if name == "alpha" else 1.0 for name in found.parameters.names]
+    return replace(found, parameters=replace(found.parameters, table=found.parameters.table * factors))
+simulation.dynamics_of = too_strong
 cli.main()
 """
 

@@ -59,6 +59,34 @@ def test_a_store_returns_every_row_once_and_all_rows_of_a_swimmer_together(tmp_p
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("on_disk", [False, True])
+def test_a_store_that_takes_over_from_another_one_returns_the_rows_of_both(tmp_path, on_disk: bool) -> None:
+    path = tmp_path / ROWS if on_disk else None
+    before, after = (
+        [log_rows(n, seed=seed + 10 * part) for seed, n in enumerate((130, 900, 501, 77))] for part in (1, 2)
+    )
+    first = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
+    assert first.state() == {}
+    for rows in before:
+        first.add(rows)
+    state = first.state()
+    assert (len(state["bytes"]) > 1, len(state["real"]) < 500) == (on_disk, on_disk)
+    for rows in after[:3]:
+        first.add(rows)  # lost with it
+    second = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
+    second.add(after[0])  # of the beginning, which the state replaces
+    second.restore(state)
+    for rows in after:
+        second.add(rows)
+    found = np.concatenate([rows for part in second.parts(after[0][:0]) for rows in part])
+    expected = np.concatenate([*before, *after])
+    found, expected = (rows[np.argsort(rows["long"][:, LogLong.START])] for rows in (found, expected))
+    assert np.array_equal(found, expected)
+    if on_disk:
+        with pytest.raises(RunError, match=r"other: expected [0-9,]+ bytes of encounters on disk, found 0"):
+            RowStore(N_SWIMMERS, tmp_path / "other").restore(state)
+
+
 def test_a_full_disk_is_named(tmp_path, monkeypatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")

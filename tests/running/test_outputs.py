@@ -122,7 +122,7 @@ def test_statistics_that_fail_cost_no_table_and_are_not_hidden(scene, whole, tmp
     def wrong(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a mistake of ours")
 
-    monkeypatch.setattr("porous_swim.running.observation.summarize", wrong)
+    monkeypatch.setattr("porous_swim.running.outcome.summarize", wrong)
     with pytest.raises(ZeroDivisionError, match="a mistake of ours"):
         ps.run(scene, out=tmp_path / "run")
     found = ps.load_results(tmp_path / "run", verify=True)

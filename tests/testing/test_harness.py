@@ -204,7 +204,7 @@ def test_a_faulty_flow_is_found(drift_of: Callable[..., Any], message: str) -> N
         check_flow("faulty")
 
 
-class Grasping:
+class Grasping(ps.Observer):
     """It moves swimmers to the origin, for all who look after it."""
 
     def __init__(self, schedule: Any) -> None:
@@ -213,13 +213,28 @@ class Grasping:
     def observe(self, frame: Any) -> None:
         frame.position[:] = 0.0
 
-    def finish(self, *, interrupted: bool) -> None:
-        pass
+
+class Forgetful(ps.Observer):
+    """It counts frames, and tells of none in its state."""
+
+    def __init__(self, schedule: Any) -> None:
+        self.schedule, self.n = schedule, 0
+
+    def observe(self, frame: Any) -> None:
+        self.n += 1
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {"n": np.array(self.n)}
 
 
 def test_an_observer_that_writes_into_frames_is_found() -> None:
     with pytest.raises(ValueError, match="read-only"):
         check_observer(Grasping)
+
+
+def test_an_observer_that_forgets_what_it_saw_before_a_cut_is_found() -> None:
+    with pytest.raises(AssertionError, match="Forgetful: taken up half way"):
+        check_observer(Forgetful)
 
 
 def test_a_statistic_that_depends_on_numbers_of_swimmers_is_found() -> None:

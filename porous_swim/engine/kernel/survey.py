@@ -13,12 +13,13 @@ from functools import cache
 import numpy as np
 import taichi as ti
 
+from porous_swim.core.state import State, fitting
 from porous_swim.engine.backend import check_alive
 from porous_swim.engine.kernel.rows import rows_of
 from porous_swim.engine.kernel.state import PHASE_BIT, Int, Phase
 from porous_swim.engine.kernel.swimmers import Swimmers, image_of, set_of
 from porous_swim.engine.medium import on_device
-from porous_swim.engine.transfer import on_host
+from porous_swim.engine.transfer import on_host, to_device
 from porous_swim.obstacles.search import Medium, make_between
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.model import Model
@@ -191,8 +192,17 @@ class Survey:
             swimmers.real, swimmers.int, swimmers.law, medium.center, medium.radius, medium.scale,
             self._origin, self._origin_int, self._sums, _bits(levels), _bits(renew), n_groups, self._size, self._band,
         )  # fmt: skip
-        sums = on_host(self._sums).astype(float).reshape(-1, n_groups, len(Sum))
-        return [Groups.of(self.group_sizes, sums[level]) for level in levels]
+        rows = np.add.outer(np.array(levels) * n_groups, np.arange(n_groups))
+        return [Groups.of(self.group_sizes, sums) for sums in on_host(self._sums, rows).astype(float)]
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The origins of all levels."""
+        return {"origin": on_host(self._origin), "origin_int": on_host(self._origin_int)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such run."""
+        for name, table in (("origin", self._origin), ("origin_int", self._origin_int)):
+            to_device(fitting(state, name, on_host(table)), table)
 
 
 def _bits(levels: Iterable[int]) -> int:

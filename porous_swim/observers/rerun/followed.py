@@ -6,6 +6,7 @@ import numpy as np
 import rerun as rr
 
 from porous_swim.core.scales import Scales, shown_in
+from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 from porous_swim.observers.rerun.colloids import log_translucent
 from porous_swim.observers.rerun.palette import HEIGHT_COLOR, PITCH_COLOR
@@ -50,6 +51,14 @@ class FollowedTrack:
             self._send()
         if self._field.dimensions == 3 and self._field.surface == "sphere":
             log_translucent(self._file, "world/followed/colloids", self._field, which=np.array(sorted(self._visited)))
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Where it was, and the colloids there; what waits is to be sent first."""
+        return {"visited": np.array(sorted(self._visited), dtype=np.int64), "corners": self._corners}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        self._visited, self._corners = set(state["visited"].tolist()), state["corners"].copy()
 
     def _send(self) -> None:
         position, director, colloid, image = (np.stack(rows) for rows in self._rows.values())

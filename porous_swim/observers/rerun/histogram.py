@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from porous_swim.core.state import State
+
 MAX_BINS = 64  # before a merge: 32 to 64 bins are shown of a full range, enough to see a shape
 
 
@@ -48,6 +50,15 @@ class GrowingHistogram:
         offset = self._first - first if len(self.counts) else 0
         counts[offset : offset + len(self.counts)] += self.counts
         self._first, self.counts = first, counts
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Counts and bins."""
+        return {"counts": self.counts, "first": np.array(self._first), "n_merged": np.array(self._n_merged)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another histogram of the same values."""
+        self.counts = state["counts"].copy()
+        self._first, self._n_merged = int(state["first"]), int(state["n_merged"])
 
     def _n_bins(self, index: np.ndarray) -> int:
         first, last = int(index.min()), int(index.max()) + 1

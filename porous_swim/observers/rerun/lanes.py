@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
+from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 from porous_swim.observers.rerun.palette import STATE_COLORS, STATE_NAMES
 from porous_swim.observers.rerun.stream import Moments, RecordingFile
@@ -37,6 +38,14 @@ class LaneTrack:
         for lane, (moments, names) in self._changes.items():
             self._file.send(lane, rr.StateChange.columns(state=names), moments)
         self._changes = {}
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The states of the frame before; what waits is to be sent first."""
+        return {"lanes": self._last}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        self._last = state["lanes"].copy()
 
 
 def lane_of(swimmer: int) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
+from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 from porous_swim.observers.rerun.palette import HOP_SHADES
 from porous_swim.observers.rerun.pictures import Pictures
@@ -45,6 +46,15 @@ class HopCounts:
             self._waiting = []
         return self._pairs, self._counts
 
+    def state(self) -> dict[str, np.ndarray]:
+        """Pairs and counts."""
+        pairs, counts = self.table()
+        return {"pairs": pairs, "counts": counts}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of other counts."""
+        self._pairs, self._counts, self._waiting = state["pairs"].copy(), state["counts"].copy(), []
+
 
 class HopTrack(Pictures):
     """The network as it grows: half a line for each direction, from the centre of the colloid that was left."""
@@ -55,8 +65,17 @@ class HopTrack(Pictures):
         self._counts = HopCounts()
 
     def count(self, frame: Frame) -> None:
-        """Count the hops since the news before."""
+        """Count the hops since the events before."""
         self._counts.add(frame.hops)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """All that was counted."""
+        return {**super().state(), **self._counts.state()}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        super().restore(state)
+        self._counts.restore(state)
 
     def draw(self, *, step: int, time: float) -> None:
         """Log the network as it stands."""

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
+import numpy as np
+
+from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 
-MOST = 20  # over a run: what they show is seen to grow; each takes some ms of the news, of sorting, and of Rerun
+MOST = 20  # over a run: what they show is seen to grow; each takes some ms of events, of sorting, and of Rerun
 
 
 class Pictures(ABC):
-    """Sees every frame of a run of `n_frames`, draws some `MOST` of them, and the last. Those need news."""
+    """Sees every frame of a run of `n_frames`, draws some `MOST` of them, and the last. Those need events."""
 
     def __init__(self, *, n_frames: int) -> None:
         self._every = max(1, n_frames // MOST)
         self._n_seen = 0
-        self._waiting: Frame | None = None  # the last frame with news, unless it has been drawn
+        self._waiting: tuple[int, float] | None = None  # step and time of the last events, unless those have been drawn
 
     @abstractmethod
     def count(self, frame: Frame) -> None:
-        """Take in the news of a frame."""
+        """Take in the events of a frame."""
 
     @abstractmethod
     def draw(self, *, step: int, time: float) -> None:
@@ -34,7 +37,7 @@ class Pictures(ABC):
         """Count; draw where that is due."""
         due = self.due
         self._n_seen += 1
-        if not frame.has_news:
+        if not frame.has_events:
             return
         self.take(frame)
         if due:
@@ -44,9 +47,20 @@ class Pictures(ABC):
     def take(self, frame: Frame) -> None:
         """Count; what was not drawn yet is at the end."""
         self.count(frame)
-        self._waiting = frame
+        self._waiting = frame.step, frame.time
 
     def finish(self) -> None:
         """Draw how it ended."""
         if self._waiting is not None:
-            self.draw(step=self._waiting.step, time=self._waiting.time)
+            step, time = self._waiting
+            self.draw(step=step, time=time)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What was seen, and what is still to be drawn; those who count add it."""
+        waiting = [] if self._waiting is None else [self._waiting]
+        return {"n_seen": np.array(self._n_seen), "waiting": np.array(waiting, dtype=float).reshape(-1, 2)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        self._n_seen = int(state["n_seen"])
+        self._waiting = next(((int(step), time) for step, time in state["waiting"].tolist()), None)

@@ -16,7 +16,8 @@ import rerun as rr
 from porous_swim.core.console import printable
 from porous_swim.core.errors import RunError
 from porous_swim.core.scales import Scales
-from porous_swim.observers.base import Every, Frame
+from porous_swim.core.state import Remembers, State, restore_parts, state_of
+from porous_swim.observers.base import Every, Frame, Observer
 from porous_swim.observers.rerun.above import log_camera, log_scale_bar
 from porous_swim.observers.rerun.blueprint import Layout
 from porous_swim.observers.rerun.bodies import Body
@@ -57,8 +58,8 @@ def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int, rods: bo
     )
 
 
-class Track(Protocol):
-    """One part of a recording."""
+class Track(Remembers, Protocol):
+    """One part of a recording; its state is asked for when nothing waits."""
 
     def observe(self, frame: Frame) -> None:
         """Take in one frame."""
@@ -67,7 +68,7 @@ class Track(Protocol):
         """Send what waits; a picture, drawn anew, only at the end."""
 
 
-class Recording:
+class Recording(Observer):
     """Writes `path` while the run goes on, under the name with `.part` appended until `finish`.
 
     `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; the first of
@@ -75,6 +76,9 @@ class Recording:
     that of the swimmers. `units` are the length a in um and the time a/U in s. `RunError` where the file cannot be
     written.
     """
+
+    schedule: Every
+    wants_events = True
 
     def __init__(
         self,
@@ -107,7 +111,8 @@ class Recording:
         self._last: Frame | None = None
         self._start: np.ndarray | None = None  # (n_recorded, 3)
         self._results: str | None = None
-        self._tracks: list[Track] = []
+        self._tracks: dict[str, Track] = {}
+        self._before: State = {}  # of the recording that this one goes on from
         self._follower: FollowedTrack | None = None
         self._visited: set[int] = set()
         self._failed = False
@@ -118,17 +123,17 @@ class Recording:
         self._results = markdown
 
     @property
-    def wants_news(self) -> bool:
+    def events_due(self) -> bool:
         """Whether the next frame is to tell what is new; the others need not."""
         return self._file is None or any(picture.due for picture in self._pictures)
 
     @property
     def is_behind(self) -> bool:
-        """Whether the last frame was seen without its news, which the pictures of the end need: see `catch_up`."""
-        return self._last is not None and not self._last.has_news
+        """Whether the last frame was seen without its events, which the pictures of the end need: see `catch_up`."""
+        return self._last is not None and not self._last.has_events
 
     def catch_up(self, frame: Frame) -> None:
-        """Take in the news alone of the last frame, which is `frame`."""
+        """Take in the events alone of the last frame, which is `frame`."""
         for picture in self._pictures:
             picture.take(frame)
 
@@ -137,7 +142,7 @@ class Recording:
         try:
             if self._file is None:
                 self._open(frame)
-            for track in self._tracks:
+            for track in self._tracks.values():
                 track.observe(frame)
         except RunError:
             self._failed = True
@@ -151,7 +156,7 @@ class Recording:
         if self._file is None or self._failed or self._finished:
             return
         try:
-            for track in self._tracks:
+            for track in self._tracks.values():
                 if not isinstance(track, Pictures):
                     track.finish()
             self._file.flush()
@@ -171,7 +176,7 @@ class Recording:
             return
         self._finished = True
         step, time = self._last.step, self._page.time(self._last.time)
-        for track in self._tracks:
+        for track in self._tracks.values():
             track.finish()
         if self._crowded and len(self._trails):
             log_translucent(
@@ -192,16 +197,31 @@ class Recording:
         self._file.lay_out(layout.blueprint())
         self._file.close()
 
+    def state(self) -> dict[str, np.ndarray]:
+        """All that pictures, trails and layout need of what was seen. The rows themselves are in the file."""
+        if self._file is None or self._start is None:
+            return dict(self._before)
+        self.keep()
+        return {
+            "start": self._start, "visited": np.array(sorted(self._visited), dtype=np.int64),
+            **state_of(self._tracks),
+        }  # fmt: skip
+
+    def restore(self, state: State) -> None:
+        """Go on, in a file that begins with the next frame, from the `state` of the recording of what was before."""
+        self._before = dict(state)
+
     @property
     def _pictures(self) -> list[Pictures]:
-        return [track for track in self._tracks if isinstance(track, Pictures)]
+        return [track for track in self._tracks.values() if isinstance(track, Pictures)]
 
     @property
     def _crowded(self) -> bool:
         return len(self._field.centers) > MAX_TRANSLUCENT
 
     def _open(self, frame: Frame) -> None:
-        self._start = frame.position[self._swimmers]
+        before = self._before
+        self._start = before["start"].copy() if before else frame.position[self._swimmers]
         layout = self._layout(frame, self._possible)
         self._file = file = RecordingFile(self._path, recording_id=self._id, timeline=self._timeline)
         file.lay_out(layout.blueprint())
@@ -209,11 +229,15 @@ class Recording:
         log_world(file, self._field)
         self._draw_surroundings(layout.space)
         self._tracks = self._make_tracks(file, layout.space.scenery.body(self._aspect_ratio))
+        if before:
+            self._visited = set(before["visited"].tolist())
+            restore_parts(self._tracks, before)
         self._write_page(self._page.text(frame, status="*Cut short: the run was under way when this was written.*"))
-        self._say(f"started: {frame.ensemble.n_swimmers} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
+        begun = "resumed" if before else "started"
+        self._say(f"{begun}: {frame.ensemble.n_swimmers} swimmers, {len(self._field.centers)} colloids", "INFO", frame)
         file.flush()
 
-    def _make_tracks(self, file: RecordingFile, body: Body) -> list[Track]:
+    def _make_tracks(self, file: RecordingFile, body: Body) -> dict[str, Track]:
         n_frames = self._n_steps // self.schedule.period + 1
         self._distributions = DistributionTrack(
             file, names=self._possible, time_step=self._time_step, n_frames=n_frames, scales=self._scales
@@ -222,17 +246,17 @@ class Recording:
             file, swimmers=self._swimmers, trails=self._trails, followed=self._followed, box=self._field.box,
             body=body,
         )  # fmt: skip
-        tracks: list[Track] = [
-            swimmers,
-            SeriesTrack(file, self._scales),
-            self._distributions,
-        ]
+        tracks: dict[str, Track] = {
+            "swimmers": swimmers,
+            "series": SeriesTrack(file, self._scales),
+            "distributions": self._distributions,
+        }
         if self._followed is not None:
             self._follower = FollowedTrack(file, self._field, self._followed, self._scales)
-            tracks.append(self._follower)
+            tracks["followed"] = self._follower
         if "hop_time" in self._possible:
             duration = self._n_steps * self._time_step
-            tracks.append(HopTrack(file, self._field, n_frames=n_frames, duration=duration))
+            tracks["hops"] = HopTrack(file, self._field, n_frames=n_frames, duration=duration)
         return tracks
 
     @property

@@ -7,6 +7,7 @@ import rerun as rr
 
 from porous_swim.analysis.lifetimes.survival import survival_curve
 from porous_swim.core.scales import Scales, shown_in
+from porous_swim.core.state import State, restore_parts, state_of
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Frame
 from porous_swim.observers.rerun.histogram import GrowingHistogram
 from porous_swim.observers.rerun.palette import BAR_COLOR, HOP_COLOR, MSD_COLOR, RETURN_COLOR, STATE_COLORS
@@ -64,6 +65,13 @@ class SeriesTrack:
         self._moments, self._rows = Moments(), []
         self._file.flush()
 
+    def state(self) -> dict[str, np.ndarray]:
+        """Nothing: what waits is to be sent first."""
+        return {}
+
+    def restore(self, state: State) -> None:
+        """Nothing to go on from."""
+
 
 class DistributionTrack(Pictures):
     """Residence time, winding and hop time of all that ended so far; survival, which takes in what is under way.
@@ -92,7 +100,7 @@ class DistributionTrack(Pictures):
         return tuple(name for name in self._names if name in self._pictures)
 
     def count(self, frame: Frame) -> None:
-        """Count what ended since the news before."""
+        """Count what ended since the events before."""
         for name, histogram in self._histograms.items():
             histogram.add(getattr(frame, name))
         self._ended.append(frame.residence)
@@ -106,6 +114,21 @@ class DistributionTrack(Pictures):
                 bars = _bars(histogram.counts.copy(), edges=factor * histogram.edges)
                 self._log(name, bars, step=step, time=time)
         self._draw_survival(step=step, time=time)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """All that was counted."""
+        return {
+            **super().state(), **state_of(self._histograms),
+            "drawn": np.array(sorted(self._pictures), dtype=str), "under_way": self._under_way,
+            "ended": np.concatenate([np.zeros(0), *self._ended]),
+        }  # fmt: skip
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        super().restore(state)
+        restore_parts(self._histograms, state)
+        self._pictures = set(state["drawn"].tolist())
+        self._under_way, self._ended = state["under_way"].copy(), [state["ended"].copy()]
 
     def _draw_survival(self, *, step: int, time: float) -> None:
         self._ended = [np.concatenate(self._ended)]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from porous_swim.core.state import State, restore_parts, state_of
 from porous_swim.observers.base import Frame
 from porous_swim.observers.rerun.bodies import Body
 from porous_swim.observers.rerun.lanes import LaneTrack
@@ -29,11 +30,11 @@ class SwimmerTrack:
         self._rows: dict[str, list[np.ndarray]] = {"position": [], "director": [], "state": []}
         self._lanes = LaneTrack(file, trails)
         shown = {"tracked": trails, "followed": np.array([] if followed is None else [followed], dtype=np.int64)}
-        self._trails = [
-            TrailTrack(file, f"world/{name}", swimmers=ids, box=box, body=body)
+        self._trails = {
+            name: TrailTrack(file, f"world/{name}", swimmers=ids, box=box, body=body)
             for name, ids in shown.items()
             if len(ids)
-        ]
+        }
         file.log("world/swimmers", body.style(len(swimmers)))
 
     def observe(self, frame: Frame) -> None:
@@ -42,7 +43,7 @@ class SwimmerTrack:
         for name, rows in self._rows.items():
             rows.append(getattr(frame, name)[self._swimmers])
         self._lanes.observe(frame)
-        for trails in self._trails:
+        for trails in self._trails.values():
             trails.observe(frame)
         if len(self._moments) * max(1, len(self._swimmers)) * _ROW_BYTES >= _BATCH_BYTES:
             self.finish()
@@ -56,8 +57,17 @@ class SwimmerTrack:
             n = len(self._swimmers)
             bodies = self._body.columns(wrapped(position, self._box), director, state, n)
             self._file.send("world/swimmers", bodies.partition([n] * len(self._moments)), self._moments)
-        for trails in self._trails:
+        for trails in self._trails.values():
             trails.send(self._moments)
         self._lanes.send()
         self._moments, self._rows = Moments(), {name: [] for name in self._rows}
         self._file.flush()
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Of lanes and trails; what waits is to be sent first."""
+        return {**self._lanes.state(), **state_of(self._trails)}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        self._lanes.restore(state)
+        restore_parts(self._trails, state)

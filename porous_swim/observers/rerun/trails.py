@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
+from porous_swim.core.state import State
 from porous_swim.observers.base import Frame
 from porous_swim.observers.rerun.bodies import Body
 from porous_swim.observers.rerun.palette import DIRECTOR
@@ -41,6 +42,14 @@ class TrailTrack:
         for name, columns in (("swimmers", bodies), ("directors", arrows), ("trails", strips)):
             self._file.send(f"{self._entity}/{name}", columns.partition(lengths), moments)
         self._rows = {}
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Where the swimmers were in the last frame that was sent, if there was one."""
+        return {} if self._last is None else {"last": self._last}
+
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such recording."""
+        self._last = state["last"].copy() if "last" in state else None
 
     def _drawn(self, position: np.ndarray, director: np.ndarray, state: np.ndarray) -> dict[str, np.ndarray]:
         """What is drawn of vectors (n_frames, n, 3) and states (n_frames, n): rows of swimmers, frame by frame."""

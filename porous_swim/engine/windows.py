@@ -1,4 +1,4 @@
-"""Displacements over lags, of all swimmers, summed on the device while a run goes on: no trajectory is kept for them.
+"""When windows in time begin and end, over which displacements of all swimmers are summed: no trajectory is kept.
 
 Windows begin every 1, 4, 16, 64, ... frames, and each is looked back to up to a length of four times that: at lags of
 1, 2, 3, 4 frames; 5, 6, 7, 8, 10, 12, 14, 16; 20, 24, 28, 32, 40, ... Those of the longest lags begin more often, so
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from porous_swim.core.state import State, fitting
 from porous_swim.engine.kernel.survey import Groups, Survey
 
-COLUMNS = ("lag", "group", "n_swimmers", "n_windows", "msd", "fourth_moment", "director_correlation")
 OPEN = 4  # windows of a spacing that are under way at a time
 MOST_SPACINGS = 7  # levels have a bit each in 32: lags up to 16384 frames
 LONGEST = 0.5  # of the run: beyond, too few windows would be there to add anything to those of `timeseries`
@@ -37,7 +37,7 @@ class Spacing:
 
 def spacings(n_frames: int) -> list[Spacing]:
     """Those that a run of `n_frames` after the first needs, up to its longest lag."""
-    longest = _longest(n_frames)
+    longest = longest_lag(n_frames)
     every = [(1, (1, 2, 3, 4))]
     every += [
         (4**k, tuple(part * 4 ** (k - 1) for part in (5, 6, 7, 8, 10, 12, 14, 16))) for k in range(1, MOST_SPACINGS)
@@ -53,8 +53,13 @@ def n_levels(n_frames: int, *, burn_in: int = 0) -> int:
     return 1 + OPEN * len(spacings(n_frames - burn_in))
 
 
-class Lags:
-    """The sums of a run. `note` every frame that there is, at multiples of `period` steps."""
+def longest_lag(n_frames: int) -> float:
+    """Of a run of `n_frames` after the first, in frames."""
+    return max(1.0, LONGEST * n_frames)
+
+
+class Windows:
+    """Those of a run. `look` at every frame of its record, at multiples of `period` steps."""
 
     def __init__(self, survey: Survey, *, period: int, n_frames: int, burn_in: int = 0) -> None:
         """Windows begin from frame `burn_in` on; the q-th of the k-th spacing has level 1 + 4 k + q of `survey`."""
@@ -63,45 +68,32 @@ class Lags:
         begun = [burn_in == 0 and spacing.begins(0, q) for spacing, q in self._windows]
         self._born: list[int | None] = [0 if now else None for now in begun]  # frame of the present origin
         self._last = 0
-        self._sums: dict[int, np.ndarray] = {}  # by lag in frames: rows of squares, their squares, overlaps
-        self._n_windows: dict[int, int] = {}
 
-    def note(self, step: int) -> Groups:
-        """All swimmers now, at `step`, since the start; their lags are taken in, too, unless this is no new frame."""
+    def look(self, step: int) -> tuple[Groups, list[tuple[int, Groups]]]:
+        """All swimmers at `step`, since the start; and since the beginning of each window looked back to, with its lag.
+
+        The latter are none unless this is a new frame of the record. Lags in frames.
+        """
         frame = step // self._period
         if step % self._period or frame <= self._last:
-            return self._survey.look([0])[0]
+            return self._survey.look([0])[0], []
         self._last = frame
         lags = [0 if born is None else frame - born for born in self._born]
         begin = [i for i, (spacing, q) in enumerate(self._windows) if spacing.begins(frame - self._burn_in, q)]
         wanted = [i for i, (spacing, _) in enumerate(self._windows) if lags[i] in spacing.lags]
         due = sorted({*wanted, *begin})
         start, *groups = self._survey.look([0, *(i + 1 for i in due)], renew=[i + 1 for i in begin])
-        for i, found in zip(due, groups, strict=True):
-            if i in wanted:
-                self._add(lags[i], found)
         for i in begin:
             self._born[i] = frame
-        return start
+        return start, [(lags[i], found) for i, found in zip(due, groups, strict=True) if i in wanted]
 
-    def columns(self) -> dict[str, np.ndarray]:
-        """Columns of the table of lags: a row for each lag and group, shortest lag first; the lag counted in frames."""
-        longest = _longest(self._last - self._burn_in)  # of a run that was interrupted less than of the whole
-        lags = sorted(lag for lag in self._sums if lag <= longest)
-        n = self._survey.group_sizes
-        if not lags:
-            return {name: np.zeros(0) for name in COLUMNS}
-        means = np.stack([self._sums[lag] / self._n_windows[lag] for lag in lags])  # (n_lags, 3, n_groups)
-        values = np.repeat(lags, len(n)), np.tile(np.arange(len(n)), len(lags)), np.tile(n, len(lags))
-        windows = np.repeat([self._n_windows[lag] for lag in lags], len(n))
-        return dict(zip(COLUMNS, (*values, windows, *(means[:, k].ravel() for k in range(3))), strict=True))
+    def state(self) -> dict[str, np.ndarray]:
+        """The frames at which windows began, and all swimmers then."""
+        born = [-1 if born is None else born for born in self._born]
+        return {"last": np.array(self._last), "born": np.array(born, dtype=np.int64), **self._survey.state()}
 
-    def _add(self, lag: int, groups: Groups) -> None:
-        fourth = groups.spread / groups.n + groups.square**2
-        values = np.stack([groups.square, fourth, groups.overlap])
-        self._sums[lag] = self._sums.get(lag, 0.0) + values
-        self._n_windows[lag] = self._n_windows.get(lag, 0) + 1
-
-
-def _longest(n_frames: int) -> float:
-    return max(1.0, LONGEST * n_frames)
+    def restore(self, state: State) -> None:
+        """Go on from the `state` of another such run."""
+        born = fitting(state, "born", np.zeros(len(self._windows), np.int64))
+        self._last, self._born = int(state["last"]), [None if frame < 0 else frame for frame in born.tolist()]
+        self._survey.restore(state)
