@@ -10,6 +10,7 @@ import pytest
 
 import porous_swim as ps
 from porous_swim.core.registry import parts_of
+from porous_swim.observers.lags import Lags
 from porous_swim.observers.progress import make_progress
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
@@ -87,8 +88,9 @@ def test_a_stepper_is_one(integrator: str) -> None:
         TimeSeries,
         lambda schedule: Trajectory(schedule, swimmers=np.arange(20)),
         lambda schedule: make_progress(schedule, n_steps=50, n_swimmers=20, quiet=True),
+        lambda schedule: Lags(np.ones(20), period=schedule.period),
     ],
-    ids=["time series", "trajectory", "progress"],
+    ids=["time series", "trajectory", "progress", "lags"],
 )
 def test_an_observer_is_one(make: Any) -> None:
     check_observer(make)
