@@ -12,9 +12,10 @@ from pydantic import Field
 
 from porous_swim.core.parts import FARTHEST, KeyedError, Length, Part, Radii, Whole
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
-from porous_swim.obstacles.field import ObstacleField, bulk
+from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
 from porous_swim.obstacles.overlaps import checked_field
+from porous_swim.obstacles.spheres import bulk
 
 Fractions = Annotated[tuple[Annotated[float, Field(ge=1e-9, le=1e9)], ...], Field(min_length=1)]
 

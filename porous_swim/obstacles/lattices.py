@@ -72,7 +72,7 @@ class Lattice(Part):
         box = np.zeros(3)
         if domain.periodic:
             box[: self.DIMENSIONS] = np.array(self.cells) * edges
-        return ObstacleField(centers, np.full(len(centers), self.radius), box, domain.dimensions)
+        return ObstacleField.of_spheres(centers, np.full(len(centers), self.radius), box, domain.dimensions)
 
 
 class Square(Lattice):

@@ -37,7 +37,7 @@ class NoObstacles(Part):
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return a field without colloids."""
-        return ObstacleField(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
+        return ObstacleField.of_spheres(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
 
 
 class Single(Part):

@@ -21,7 +21,7 @@ def checked_field(
     """
     if len(radii):
         _check_own_images(radii, box, tolerance)
-    field = ObstacleField(wrap(centers, box), radii, box, dimensions, notes=notes)
+    field = ObstacleField.of_spheres(wrap(centers, box), radii, box, dimensions, notes=notes)
     if len(radii) > 1:
         _check_pairs(field, key, tolerance)
     return field

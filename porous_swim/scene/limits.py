@@ -24,8 +24,8 @@ def check_limits(scene: SceneModel, field: ObstacleField) -> None:
 
 
 def _check_precision(scene: SceneModel, field: ObstacleField) -> None:
-    """Heights are differences of distances as large as the colloid; that above a plane wall is a number itself."""
-    largest = float(field.radii.max(initial=0.0, where=np.isfinite(field.radii)))
+    """Heights are differences of distances as large as `at_surface`."""
+    largest = float(field.at_surface.max(initial=0.0))
     most = _COARSEST * scene.swimmers.aspect_ratio * 2.0 ** _DIGITS[scene.precision]
     if largest > most:
         remedy = "set it to f64, or put a plane wall" if scene.precision == "f32" else "put a plane wall"
