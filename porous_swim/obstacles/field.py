@@ -53,8 +53,10 @@ class ObstacleField:
     @property
     def surface(self) -> Surface:
         """The surface that all bodies have: a kernel is compiled for one."""
-        (surface,) = {each.SURFACE for each in self.bodies}
-        return surface
+        surfaces = sorted({each.SURFACE for each in self.bodies})
+        if len(surfaces) > 1:
+            raise NotImplementedError(f"obstacles: kernels are compiled for one surface, not {' and '.join(surfaces)}")
+        return surfaces[0]
 
     @property
     def is_round(self) -> bool:

@@ -65,7 +65,7 @@ class Single(Part):
             center[None, :],
             np.array([self.radius]),
             box=_optional_box(domain),
-            dimensions=domain.dimensions,
+            domain=domain,
             key="obstacles.position",
         )
 
@@ -138,7 +138,7 @@ class FromFile(Part):
         )
         centers = np.stack([columns["x"], columns["y"], columns["z"]], axis=1)
         self._check_rows(centers, columns["radius"], flat=flat)
-        beads = Beads(self._factor * centers, self._factor * columns["radius"])
+        beads = Beads(self._factor * centers, self._factor * columns["radius"], domain.scales)
         if self._unsaid:
             beads = beads.noted(
                 f"the numbers in {name} are read in half-lengths a, though the scene has units: say what they are by "
@@ -149,7 +149,7 @@ class FromFile(Part):
         beads = compared_with_box(beads, box=box)
         beads = resolved(beads, self.overlaps, tolerance=self.tolerance, box=box, name=name)
         return checked_field(
-            beads.centers, beads.radii, box=box, dimensions=domain.dimensions, key="obstacles.path",
+            beads.centers, beads.radii, box=box, domain=domain, key="obstacles.path",
             tolerance=max(self.tolerance, TOUCH), notes=beads.notes,
         )  # fmt: skip
 
