@@ -58,10 +58,10 @@ def summarize(
     """
     residence, passage, away = residence_times(encounters), escape_pitch_times(encounters), flights(encounters)
     late, info = ensemble_diffusivity(lags), TableInfo.of(encounters)
-    doubt = _why_no_diffusivity(late, info, persistence_time, director_memory(lags))
-    duration, doubts = info.duration, [] if doubt is None else [doubt]
+    reason = _why_no_diffusivity(late, info, persistence_time, director_memory(lags))
+    duration, reasons = info.duration, [] if reason is None else [reason]
     stays = list(_residence_warnings(residence, duration))
-    found = [*_lone_warning(timeseries), *stays, *_passage_warnings(encounters), *(doubts if late.n else [])]
+    found = [*_lone_warning(timeseries), *stays, *_passage_warnings(encounters), *(reasons if late.n else [])]
     return {
         "residence": _waiting(residence, stays),
         "escape_pitch_time": _waiting(passage, _mean_warnings(passage, duration)),
@@ -70,10 +70,10 @@ def summarize(
         "flights": _waiting(away, _mean_warnings(away, duration)),
         "msd": _final_msd(timeseries, TableInfo.of(timeseries)),
         "diffusivity": {
-            "effective": _marked(late.estimate() if doubt is None else Estimate.none("a U"), doubts),
-            "window": list(late.window) if doubt is None else None,
-            "reliable": doubt is None,
-            "reason": doubt,
+            "effective": _marked(late.estimate() if reason is None else Estimate.none("a U"), reasons),
+            "window": list(late.window) if reason is None else None,
+            "reliable": reason is None,
+            "reason": reason,
         },
         "fractions": {
             "bound": bound_fraction(encounters).as_dict(),
@@ -205,15 +205,15 @@ _LINES = (  # (label, where in the summary)
 
 
 def summary_lines(summary: Mapping[str, Any]) -> list[str]:
-    """The summary for people: each value ± one standard error, why it is doubtful below it, and the other warnings."""
+    """The summary for people: each value ± one standard error, its warning below it, and the other warnings."""
     lines, told = [], ""
     for label, (group, name) in _LINES:
         statistic = summary[group][name]
         if statistic["value"] is not None:
             lines.append(f"{label}: {_in_words(statistic)}")
-            if (doubt := statistic.get("warning")) is not None:
-                lines.append(f"  doubtful: {doubt}")
-                told += doubt
+            if (warning := statistic.get("warning")) is not None:
+                lines.append(f"  warning: {warning}")
+                told += warning
     lines += [] if (start := _steady_from(summary)) is None else [start]
     return [*lines, *(f"warning: {warning}" for warning in summary["warnings"] if warning not in told)]
 
@@ -225,8 +225,8 @@ def summary_page(summary: Mapping[str, Any]) -> str:
         if summary[group][name]["value"] is not None:
             statistic = summary[group][name]
             shown = {**statistic, **statistic.get("physical", {}), "physical": None}
-            doubt = statistic.get("warning")
-            mark = "" if doubt is None else f"; **doubtful**: {doubt}"
+            warning = statistic.get("warning")
+            mark = "" if warning is None else f"; **warning**: {warning}"
             rows.append(f"| {label} | {_in_words(shown)}{mark} |")
     table = "\n".join(["| statistic | value |", "|---|---|", *rows])
     table += "" if (start := _steady_from(summary)) is None else f"\n\n{start}"

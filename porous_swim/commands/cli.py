@@ -1,6 +1,6 @@
 """The command line.
 
-Exit status: 0; 2 for what the user can mend; 1 for a failed run; 130 for an interrupt, 143 for SIGTERM, 129 for SIGHUP;
+Exit status: 0; 2 for a mistake in the input; 1 for a failed run; 130 for an interrupt, 143 for SIGTERM, 129 for SIGHUP;
 141 where nobody reads on.
 """
 
@@ -36,7 +36,7 @@ app = typer.Typer(
 ADDRESS_SPACE = dict.fromkeys(("run", "check", "reproduce", "bench"), limits.FOR_A_RUN) | dict.fromkeys(
     ("report", "theory"), limits.FOR_TABLES
 )  # what starts none of these commands needs no libraries
-WARNING = "warning"  # the label of what is doubtful
+WARNING = "warning"  # its label
 Json = Annotated[bool, typer.Option("--json", help="For machines.")]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, such as scenes/crystal.yaml.")]
 Changes = Annotated[
@@ -167,9 +167,9 @@ def run(
         raise typer.Exit(exit_status(results.summary["signal"]))
 
 
-@app.command(short_help="Say what a scene is and what is doubtful about it.")
+@app.command(short_help="Say what a scene is, what it costs, and what to mind.")
 def check(scene: SceneFile, changes: Changes = None, json_: Json = False) -> None:
-    """Say what a scene is, and what is doubtful about it; run nothing."""
+    """Say what a scene is, what it costs, and what to mind about it; run nothing."""
     from porous_swim.commands.check import describe
     from porous_swim.commands.facts import facts_of
 
@@ -194,7 +194,16 @@ def view(
     if not web and sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
         raise ResultsError("view: there is no display here; --web opens the recording in a browser")
     viewer = [sys.executable, "-m", "rerun", str(recording)]
-    os.execv(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer)
+    os.execve(sys.executable, [*viewer, "--web-viewer", "--bind", "127.0.0.1"] if web else viewer, _without_analytics())
+
+
+def _without_analytics() -> dict[str, str]:
+    """The environment of a viewer that tells nobody about its use, whatever its user's settings say.
+
+    Rerun sends usage statistics from the second start on, but never where `CI` is set: its one switch by environment.
+    """
+    kept = {name: value for name, value in os.environ.items() if name != "FORCE_RERUN_ANALYTICS"}
+    return {**kept, "CI": kept.get("CI", "1")}
 
 
 @app.command(short_help="Write pictures and tables of a run as one HTML page.")
@@ -339,5 +348,4 @@ def _scene(path: Path, changes: list[str] | None, options: dict[str, object]) ->
             options[key] = read_value(value)
         except SceneError as error:
             raise SceneError(f"--set {change}: {error}") from None
-    scene = load_scene(path)
-    return scene.replace(options) if options else scene
+    return load_scene(path, options)

@@ -116,9 +116,9 @@ def _scattering(alpha: float, A: float, impact_parameter: float) -> float | None
 
 def _trapping(alpha: float, gamma: float, A: float, D: float) -> Iterator[Prediction]:
     for order in TRAPPING_ORDERS:
-        doubts = theory.trapping_doubts(alpha, A, 0.75 * D, gamma, order=order)
+        found = theory.trapping_warnings(alpha, A, 0.75 * D, gamma, order=order)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the note says it
             time = theory.mean_trapping_time(alpha, A, 0.75 * D, gamma, order=order)
-        note = f"(out of its range: {'; '.join(doubts)})" if doubts else ""
+        note = f"(out of its range: {'; '.join(found)})" if found else ""
         yield Prediction("mean trapping time", order, time, "a/U", note)

@@ -24,7 +24,7 @@ def printable(text: str) -> str:
 
 
 def tell(line: str, stream: TextIO | None) -> None:
-    """Write a line of progress at once. Where it cannot be written (a reader gone, a full disk) work goes on, unheard.
+    """Write a line of progress at once. Where it cannot be written (a reader gone, a full disk) the run goes on.
 
     None is the `sys.stderr` of a process that was started with a closed one.
     """

@@ -51,7 +51,7 @@ def keeps() -> bool:
     return not _faults
 
 
-def doubts() -> list[str]:
+def warnings() -> list[str]:
     """Sentences about the folder that have not been asked for yet."""
     fresh = _faults[len(_told) :]
     _told.extend(fresh)

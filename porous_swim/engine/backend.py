@@ -96,8 +96,8 @@ def ensure(device: str = "auto", threads: int | None = None) -> Backend:
     if _current == wanted:
         return wanted
     limits.require(address=limits.FOR_A_DEVICE, threads=(wanted.threads or 0) + limits.OTHER_THREADS // 2)
-    for doubt in kernel_cache.doubts():
-        tell(doubt, sys.stderr)
+    for warning in kernel_cache.warnings():
+        tell(warning, sys.stderr)
     kernel_cache.check()
     # an array that is freed after a restart frees whatever has its address by then: free what nobody holds before
     gc.collect()

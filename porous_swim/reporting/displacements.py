@@ -19,7 +19,7 @@ from porous_swim.reporting.section import Number, Section, Table
 def section(runs: Sequence[Run]) -> Section:
     """Displacements of all swimmers against lag."""
     shown: list[Shown[displacements.Displacements]] = []
-    missing, doubts, rows = [], [], []
+    missing, warnings, rows = [], [], []
     for run in runs:
         try:
             found = _displacements(run)
@@ -32,7 +32,7 @@ def section(runs: Sequence[Run]) -> Section:
         shown.append(run.shows(found))
         rows.append(_row(run, found.diffusivity))
         if found.diffusivity.reason is not None:
-            doubts.append(run.says(found.diffusivity.reason))
+            warnings.append(run.says(found.diffusivity.reason))
     header = ["run", "effective diffusivity", "95 % interval", "lags of the fit", "p: a straight line", "swimmers"]
     return Section(
         "Displacements", "displacements",
@@ -40,9 +40,9 @@ def section(runs: Sequence[Run]) -> Section:
         draw=(lambda: displacements.draw(shown, scales_of(runs))) if shown else None,
         caption="Mean squared displacement of all swimmers (left; shaded: the lags of the fit) and its exponent "
         "(right); bars are one standard error over swimmers.",
-        tables=[Table(header, rows, caption=" ".join(doubts))] if rows else [],
+        tables=[Table(header, rows, caption=" ".join(warnings))] if rows else [],
         missing=missing,
-        warnings=doubts,
+        warnings=warnings,
     )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def table_by_radius(runs: Sequence[Run]) -> list[Table]:
             rows.append(
                 [
                     run.label, both(radius, "a", run.scales),
-                    Number(both(times.mean, "a/U", run.scales, error=times.standard_error), times.mean, doubt=few),
+                    Number(both(times.mean, "a/U", run.scales, error=times.standard_error), times.mean, warning=few),
                     value_and_error(turns.completed.value, turns.completed.standard_error),
                     f"{times.n:,}", f"{times.n_censored:,}",
                 ]

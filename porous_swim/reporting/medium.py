@@ -1,4 +1,4 @@
-"""Section: the scene in numbers, the medium, and the ways of some swimmers."""
+"""Section: the scene in numbers, the medium, and the trajectories of some swimmers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, vectors
 from porous_swim.analysis.places import centers_of, own_name, radii_of
 from porous_swim.analysis.transport.transport import tracks
-from porous_swim.plots import ways
+from porous_swim.plots import trajectories
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.numbers import both
 from porous_swim.reporting.run import Run, scales_of
@@ -22,12 +22,12 @@ N_WAYS = 5
 def section(runs: Sequence[Run]) -> Section:
     """What was run, and how it looks."""
     missing = [run.says(run.no_scene) for run in runs if run.scene is None]
-    shown: list[Shown[ways.Ways]] = []
+    shown: list[Shown[trajectories.Trajectories]] = []
     for run in runs:
         if len(run.results.trajectory) == 0:
             missing.append(run.says("No swimmer was recorded (record.swimmers), so no way can be drawn."))
         else:
-            shown.append(run.shows(_ways(run)))
+            shown.append(run.shows(_trajectories(run)))
     facts = [_facts(run) for run in runs]
     names = list(dict.fromkeys(name for each in facts for name in each))
     rows = [[name, *(each.get(name, "") for each in facts)] for name in names]
@@ -35,25 +35,25 @@ def section(runs: Sequence[Run]) -> Section:
     return Section(
         "Medium and swimmers", "medium",
         text=[run.says(run.scene.description.strip()) for run in runs if run.scene and run.scene.description.strip()],
-        draw=(lambda: ways.draw(shown, scales)) if shown else None,
-        caption=f"Ways of {_some(shown)}, unwrapped across periodic images, coloured by state.",
+        draw=(lambda: trajectories.draw(shown, scales)) if shown else None,
+        caption=f"Trajectories of {_some(shown)}, unwrapped across periodic images, coloured by state.",
         tables=[Table(["", *(run.label for run in runs)], rows)],
         missing=missing,
     )  # fmt: skip
 
 
-def _some(shown: Sequence[Shown[ways.Ways]]) -> str:
+def _some(shown: Sequence[Shown[trajectories.Trajectories]]) -> str:
     n = max((run.data.position.shape[1] for run in shown), default=0)
     return "the one recorded swimmer" if n == 1 else f"{n} recorded swimmers that start near each other"
 
 
-def _ways(run: Run) -> ways.Ways:
+def _trajectories(run: Run) -> trajectories.Trajectories:
     results = run.results
     few = results.trajectory.filter(np.isin(column(results.trajectory, "swimmer"), _neighbours(results.trajectory)))
     recorded = tracks(few)
     order = np.lexsort((column(few, "swimmer"), column(few, "time")))
     state = column(few, "state")[order].reshape(len(recorded.time), len(recorded.swimmer))
-    return ways.Ways(
+    return trajectories.Trajectories(
         centers_of(results.colloids), radii_of(results.colloids), results.info.box, recorded.position, state,
         results.info.dimensions, run.flat_normal,
     )  # fmt: skip

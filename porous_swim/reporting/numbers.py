@@ -46,11 +46,11 @@ def counted(n: int, what: str) -> str:
     return f"{n:,} {what}" if n == 1 else f"{n:,} {what}s"
 
 
-def cell(value: float | None, error: float | None, *, note: str = "", doubt: str | None = None) -> Cell:
+def cell(value: float | None, error: float | None, *, note: str = "", warning: str | None = None) -> Cell:
     """A number with its error for a table, and why it is not to be trusted, where there is such."""
     if value is None or not math.isfinite(value):
-        return Number(NONE, math.nan, doubt=doubt) if doubt else NONE
-    return Number(value_and_error(value, error), value, note, doubt or "")
+        return Number(NONE, math.nan, warning=warning) if warning else NONE
+    return Number(value_and_error(value, error), value, note, warning or "")
 
 
 def statistics(summary: Mapping[str, Any], *path: str) -> dict[tuple[str, ...], Mapping[str, Any]]:

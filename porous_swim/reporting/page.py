@@ -39,7 +39,7 @@ thead th { position: sticky; top: 0; background: #fff; border-bottom: 2px solid 
 tbody th { font-weight: 400; white-space: normal; }
 data { white-space: nowrap; }
 td small { display: block; color: var(--soft); white-space: nowrap; }
-td small.doubt { color: #a33c00; white-space: normal; min-width: 16rem; max-width: 30rem; }
+td small.warning { color: #a33c00; white-space: normal; min-width: 16rem; max-width: 30rem; }
 pre { background: var(--ground); padding: .8rem 1rem; overflow: auto; font-size: .84rem; }
 summary { cursor: pointer; color: #0b5394; margin: .6rem 0; }
 @media print { body { max-width: none; } nav { display: none; } .table.long { max-height: none; }
@@ -71,7 +71,7 @@ def _warnings(warnings: Sequence[str]) -> str:
     if not warnings:
         return ""
     items = "".join(f"<li>{_text(warning)}</li>\n" for warning in warnings)
-    return f'<div class="warnings" role="note"><strong>Doubtful</strong>\n<ul>\n{items}</ul></div>\n'
+    return f'<div class="warnings" role="note"><strong>Warnings</strong>\n<ul>\n{items}</ul></div>\n'
 
 
 def _section(section: Section, picture: Picture | None) -> str:
@@ -112,7 +112,7 @@ def _cell(cell: Cell) -> str:
     if not isinstance(cell, Number):
         return _text(cell)
     note = f"<small>{_text(cell.note)}</small>" if cell.note else ""
-    note += f'<small class="doubt">doubtful: {_text(cell.doubt)}</small>' if cell.doubt else ""
+    note += f'<small class="warning">warning: {_text(cell.warning)}</small>' if cell.warning else ""
     if math.isfinite(cell.value):
         return f'<data value="{cell.value!r}">{_text(cell.text)}</data>{note}'
     return f"{_text(cell.text)}{note}"

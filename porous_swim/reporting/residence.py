@@ -33,12 +33,12 @@ def section(runs: Sequence[Run]) -> Section:
         fits, theory = fits_of(stays), trapping(run, passages)
         fitted.append((run, stays, fits))
         text.append(run.says(theory.sentence))
-        warnings += [run.says(doubt) for doubt in theory.doubts]
+        warnings += [run.says(each) for each in theory.warnings]
         if not fits:
             missing.append(run.says(_too_few(stays)))
         for name, lifetimes, data in (
             ("residence time", stays, {"laws": _curves(fits)}),
-            ("time to the escape pitch", passages, {"theory": theory.curve, "theory_holds": not theory.doubts}),
+            ("time to the escape pitch", passages, {"theory": theory.curve, "theory_holds": not theory.warnings}),
             ("time between encounters", analysis.flight_lifetimes(encounters), {}),
         ):
             seen = lifetimes.select(lifetimes.start_seen)

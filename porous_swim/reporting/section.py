@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 
 @dataclass(frozen=True)
 class Number:
-    """A cell with a number: its text for people, and the number itself for machines; notes and doubts go below it."""
+    """A cell with a number: its text for people, and the number itself for machines; notes and warnings go below it."""
 
     text: str
     value: float | int
     """NaN where there is none."""
     note: str = ""
-    doubt: str = ""
+    warning: str = ""
     """Why it is not to be trusted."""
 
 

@@ -48,7 +48,7 @@ def section(runs: Sequence[Run]) -> Section:
         text=[
             "Each value with one standard error, for which the swimmers are the independent samples. n counts what the "
             "value rests on; censored are those of which the run saw only a part. "
-            "What is doubtful is marked below the value.",
+            "What to mind stands below the value.",
             *(run.says(f"Averages over time leave out the first {_burn_in(run)}.") for run in runs if _burn_in(run)),
         ],
         tables=[table],
@@ -93,7 +93,7 @@ def _several(runs: Sequence[Run], found: Sequence[Mapping[tuple[str, ...], Mappi
 
 
 def _value(entry: Mapping[str, Any], note: str) -> Cell:
-    return cell(entry["value"], entry["standard_error"], note=note, doubt=entry.get("warning"))
+    return cell(entry["value"], entry["standard_error"], note=note, warning=entry.get("warning"))
 
 
 def _horizon(run: Run, path: tuple[str, ...]) -> str:

@@ -26,12 +26,12 @@ MAIN = (
     ("msd", "final"),
     ("diffusivity", "effective"),
 )
-DOUBTFUL = "(!)"  # after a value that a line below says is not to be trusted
+MARK = "(!)"  # after a value that a line below says is not to be trusted
 _WIDE = 200  # characters where no terminal sets a width: lines are not broken
 
 
 def print_report(report: Report) -> None:
-    """The main statistics, a column for each run, and what is doubtful."""
+    """The main statistics, a column for each run, and the warnings."""
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=_WIDE)
@@ -45,18 +45,18 @@ def print_report(report: Report) -> None:
             table.add_row(Text(name_of(path)), Text(printable(unit)), *(Text(printable(cell)) for cell in cells))
     if table.row_count:
         console.print(table)
-    for warning in (*report.warnings, *_doubts(report)):
-        console.print(Text.assemble(("doubtful  ", "yellow"), printable(warning)), soft_wrap=not console.is_terminal)
+    for warning in (*report.warnings, *_statistic_warnings(report)):
+        console.print(Text.assemble(("warning  ", "yellow"), printable(warning)), soft_wrap=not console.is_terminal)
 
 
-def _doubts(report: Report) -> list[str]:
+def _statistic_warnings(report: Report) -> list[str]:
     """Of the statistics shown, what the report's warnings do not tell."""
     told = " ".join(report.warnings)
     return [
-        run.says(f"{name_of(path)}: {doubt}")
+        run.says(f"{name_of(path)}: {found}")
         for path in MAIN
         for run in report.runs
-        if (doubt := statistics(run.results.summary).get(path, {}).get("warning")) and doubt.split(". ")[0] not in told
+        if (found := statistics(run.results.summary).get(path, {}).get("warning")) and found.split(". ")[0] not in told
     ]
 
 
@@ -72,4 +72,4 @@ def _cell(run: Run, path: tuple[str, ...]) -> str:
     text = value_and_error(entry["value"], entry["standard_error"])
     second = physical(entry["value"], entry["standard_error"], entry["unit"], run.scales)
     text = f"{text} [{second}]" if second else text
-    return f"{text} {DOUBTFUL}" if entry.get("warning") else text
+    return f"{text} {MARK}" if entry.get("warning") else text

@@ -23,7 +23,7 @@ class Trapping:
     curve: tuple[np.ndarray, np.ndarray] | None
     """Times (n,), a/U, and probabilities (n,)."""
     sentence: str
-    doubts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     """Why the theory is not to be trusted here: what the curve is drawn with, and the top of the page."""
 
 
@@ -45,8 +45,9 @@ def trapping(run: Run, passages: Lifetimes) -> Trapping:
     if np.isfinite(seen.value):
         ratio = value_and_error(seen.value, seen.standard_error)
         sentence += f" Passages seen over those that it expects (log-rank): {ratio}."
-    doubts = [f"Theory of trapping: {doubt}." for doubt in analysis.theory.trapping_doubts(alpha, radius, D_r, gamma)]
-    return Trapping((times, probability), " ".join([sentence, *doubts]), tuple(doubts))
+    found = analysis.theory.trapping_warnings(alpha, radius, D_r, gamma)
+    warnings = tuple(f"Theory of trapping: {each}." for each in found)
+    return Trapping((times, probability), " ".join([sentence, *warnings]), warnings)
 
 
 def _obstacle(run: Run) -> tuple[str, float]:

@@ -23,11 +23,11 @@ from porous_swim.reporting import (
     statistics,
     winding,
 )
-from porous_swim.reporting.doubts import doubts
 from porous_swim.reporting.numbers import both, counted
 from porous_swim.reporting.page import html
 from porous_swim.reporting.pictures import KINDS, write_picture
 from porous_swim.reporting.run import Run, runs_of, scales_of
+from porous_swim.reporting.run_warnings import run_warnings
 from porous_swim.reporting.section import Section
 from porous_swim.results.manifest import FIGURES, list_report
 from porous_swim.results.results import Results
@@ -80,7 +80,7 @@ def write_report(every: Sequence[Results], out: Path) -> Report:
     out = out.expanduser()
     runs = runs_of(every)
     sections = [make(runs) for make in SECTIONS]
-    found = [sentence for run in runs for sentence in doubts(run)]
+    found = [sentence for run in runs for sentence in run_warnings(run)]
     found += [sentence for section in sections for sentence in section.warnings]
     warnings = _run_by_run(runs, list(dict.fromkeys(found)))
     try:

@@ -53,7 +53,7 @@ class Document:
 
     def together(self, lines: Sequence[str]) -> SceneError:
         """Return one error of several lines, at most ten, the first ones, and the number of the others."""
-        more = [f"and {len(lines) - _MOST_LINES:,} more to mend"] if len(lines) > _MOST_LINES else []
+        more = [f"and {len(lines) - _MOST_LINES:,} more mistakes"] if len(lines) > _MOST_LINES else []
         return SceneError("\n".join([*lines[:_MOST_LINES], *more]))
 
     def place(self, path: KeyPath, *, on_key: bool = False) -> Mark | None:
@@ -80,7 +80,9 @@ class Document:
                 node[str(key)] = dict(inner)
                 node = node[str(key)]
             node[str(path[-1])] = value
-        return replace(self, data=data, replaced=self.replaced | set(changes))
+        mended = {self.values.get(path) for path in changes}
+        faults = [fault for fault in self.faults if fault[0] not in mended]
+        return replace(self, data=data, replaced=self.replaced | set(changes), faults=faults)
 
 
 def read_document(path: Path | str) -> Document:

@@ -46,13 +46,7 @@ class Scene(SceneModel):
         A value replaces what stands at its key whole, a map too. Defaults that follow from other keys do so
         again.
         """
-        values: dict[KeyPath, Any] = {tuple(key.split(".")): plain(value) for key, value in changes.items()}
-        document = self._document.with_values(values)
-        for path in values:
-            rival = _RIVALS.get(path)
-            if rival is not None and rival not in values:
-                document.data[str(rival[0])].pop(str(rival[1]), None)
-        return _validated(document, self._folder)
+        return _validated(_changed(self._document, changes), self._folder)
 
     def place_obstacles(self) -> ObstacleField:
         """Return the colloids, a function of the layout, the domain and `medium_seed` alone.
@@ -84,7 +78,7 @@ class Scene(SceneModel):
         save(self, Path(folder))
 
     def warnings(self, field: ObstacleField | None = None) -> list[str]:
-        """Return a sentence for each thing that is doubtful; without `field` the colloids are placed."""
+        """Return a sentence for each thing that is legal and seldom meant; without `field` the colloids are placed."""
         return warnings_of(self, field if field is not None else self.place_obstacles())
 
     @property
@@ -109,12 +103,26 @@ class Scene(SceneModel):
         return self._document.error(tuple(error.key.split(".")), error.sentence)
 
 
-def load_scene(path: Path | str) -> Scene:
-    """Read a YAML scene; a `SceneError` names file, line, column and key, and says what would be allowed."""
+def load_scene(path: Path | str, changes: Mapping[str, Any] | None = None) -> Scene:
+    """Read a YAML scene; a `SceneError` names file, line, column and key, and says what would be allowed.
+
+    `changes` are new values at dotted keys, as `Scene.replace` takes them: what they replace need not be valid.
+    """
     document = read_document(path)
     stem = re.sub(r"[^A-Za-z0-9._-]+", "_", Path(path).stem).lstrip("._-") or "scene"
     document.data.setdefault("name", stem[:100])
-    return _validated(document, Path(path).parent)
+    return _validated(_changed(document, changes or {}), Path(path).parent)
+
+
+def _changed(document: Document, changes: Mapping[str, Any]) -> Document:
+    """Return the document with new values at dotted keys; of two keys that exclude each other the new one stays."""
+    values: dict[KeyPath, Any] = {tuple(key.split(".")): plain(value) for key, value in changes.items()}
+    changed = document.with_values(values)
+    for path in values:
+        rival = _RIVALS.get(path)
+        if rival is not None and rival not in values:
+            changed.data[str(rival[0])].pop(str(rival[1]), None)
+    return changed
 
 
 def _validated(document: Document, folder: Path) -> Scene:

@@ -1,4 +1,4 @@
-"""What is legal in a scene but doubtful, each in a sentence with a number."""
+"""What is legal in a scene and seldom meant, each in a sentence with a number."""
 
 from __future__ import annotations
 

@@ -18,8 +18,8 @@ from porous_swim.theory.scattering import scattering_angle, sliding_time, windin
 from porous_swim.theory.trapping import (
     inverse_gaussian,
     mean_trapping_time,
-    trapping_doubts,
     trapping_survival,
+    trapping_warnings,
 )
 
 __all__ = [
@@ -34,7 +34,7 @@ __all__ = [
     "rates",
     "scattering_angle",
     "sliding_time",
-    "trapping_doubts",
     "trapping_survival",
+    "trapping_warnings",
     "winding",
 ]

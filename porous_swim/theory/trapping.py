@@ -32,12 +32,12 @@ def mean_trapping_time(
 
     `integral` is sqrt(pi)/k times the integral of exp(u^2) (1 + erf u) over u = (theta - theta*) sqrt(k/(2 D_r)) from
     0 to theta_e; `estimate` its expansion to second order in u. Each warns where it does not hold: see
-    `trapping_doubts`.
+    `trapping_warnings`.
     """
     check_order(order, ("integral", "estimate"))
     process = _process(dipole_strength, radius, rotational_diffusion, aspect_ratio)
-    for doubt in trapping_doubts(dipole_strength, radius, rotational_diffusion, aspect_ratio, order=order):
-        warnings.warn(f"mean_trapping_time: {doubt}", stacklevel=2)
+    for each in trapping_warnings(dipole_strength, radius, rotational_diffusion, aspect_ratio, order=order):
+        warnings.warn(f"mean_trapping_time: {each}", stacklevel=2)
     if order == "integral":
         return _integral(*process, rotational_diffusion)
     k = process[0]
@@ -45,31 +45,31 @@ def mean_trapping_time(
     return math.sqrt(math.pi) / k * (last - first) + (last**2 - first**2) / k
 
 
-def trapping_doubts(
+def trapping_warnings(
     dipole_strength: float, radius: float, rotational_diffusion: float, aspect_ratio: float = 1.0,
     *, order: Literal["integral", "estimate"] = "integral",
 ) -> list[str]:  # fmt: skip
     """Why `mean_trapping_time` of that order is out of its range, a sentence for each reason.
 
     Both need small pitches and A >> 1: theta_e and the turning at theta = 0 enter in an exponential, so the integral
-    is doubted where those of the full equations change it by half. (Simulations at alpha = 0.2 and 0.8 differ from it
-    by 23 % and more where that is so, and by 17 % and less where not.) The estimate also needs |u| below 1/2.
+    is not trusted where those of the full equations change it by half. (Simulations at alpha = 0.2 and 0.8 differ from
+    it by 23 % and more where that is so, and by 17 % and less where not.) The estimate also needs |u| below 1/2.
     """
     process = k, _, leave = _process(dipole_strength, radius, rotational_diffusion, aspect_ratio)
     height = contact_height(0.0, radius, aspect_ratio)
     turning = rates(0.0, height, radius, dipole_strength, aspect_ratio)[1]
     lift_off = escape_angle(dipole_strength, radius, aspect_ratio)
     near_wall, full = (_integral(*each, rotational_diffusion) for each in (process, (k, turning / k, lift_off)))
-    doubts = []
+    found = []
     if math.isinf(full) or not near_wall / _TRUSTED < full < near_wall * _TRUSTED:
-        doubts.append(
+        found.append(
             "near-wall theory at small pitch does not hold here: with the turning and the escape angle of the full "
             f"equations ({lift_off:.3g} rad, not {leave:.3g} rad) the integral is {full:.2g} a/U"
         )
     largest = max(map(abs, _ends(*process, rotational_diffusion)))
     if order == "estimate" and largest > 0.5:
-        doubts.append(f"the estimate is an expansion for u below 0.5, here {largest:.2g}: the integral is better")
-    return doubts
+        found.append(f"the estimate is an expansion for u below 0.5, here {largest:.2g}: the integral is better")
+    return found
 
 
 def _ends(k: float, rest: float, leave: float, D_r: float) -> tuple[float, float]:

@@ -83,7 +83,7 @@ def test_a_ballistic_run_is_not_linear_and_swimmers_that_are_alike_have_no_diffu
     few = effective_diffusivity(walks.brownian(rng, n_swimmers=19, n_frames=41, dimensions=2, diffusivity=0.4))
     assert math.isnan(few.value)
     assert not few.linear
-    assert "needs 20 swimmers whose ways differ, of 19 here" in few.reason
+    assert "needs 20 swimmers whose trajectories differ, of 19 here" in few.reason
 
 
 def test_a_window_that_was_given_and_is_not_straight_has_the_slope_from_end_to_end_and_a_reason() -> None:

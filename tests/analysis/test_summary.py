@@ -143,7 +143,7 @@ def test_a_diffusivity_of_few_swimmers_or_of_swimmers_alike_is_refused_as_by_the
         return
     assert (effective["value"], effective["standard_error"], effective["n"]) == (None, None, 0)
     assert not any(line.startswith("effective diffusivity") for line in lines)
-    assert f"needs 20 swimmers whose ways differ, of {n_swimmers} here" in lines[-1]
+    assert f"needs 20 swimmers whose trajectories differ, of {n_swimmers} here" in lines[-1]
 
 
 def rates_of(found: dict[str, Any]) -> dict[str, tuple[float | None, int]]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -258,7 +260,7 @@ def test_a_full_disk_is_one_sentence_with_status_1(recording, scene, tmp_path):
     assert results.encounters.num_rows > 0
 
 
-def test_check_names_counts_numbers_and_doubts_without_running(tmp_path):
+def test_check_names_counts_numbers_and_warnings_without_running(tmp_path):
     thermal = next(path for path in SCENES if path.stem == "crystal_thermal")
     result = porous_swim("check", thermal, "--set", "swimmers.dipole_strength=0.8", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -351,11 +353,33 @@ def test_output_that_cannot_be_written_is_one_sentence(command, tmp_path):
 def test_view_becomes_the_rerun_viewer_of_the_recording(web, tmp_path, monkeypatch):
     (tmp_path / "recording.rrd").touch()
     seen: list[list[str]] = []
-    monkeypatch.setattr(os, "execv", lambda _, command: seen.append(command))
+    monkeypatch.setattr(os, "execve", lambda _, command, environment: seen.append(command))
     monkeypatch.setenv("DISPLAY", ":0")
     cli.view(tmp_path, web=web)
     assert seen[0][1:4] == ["-m", "rerun", str(tmp_path / "recording.rrd")]
     assert ("--web-viewer" in seen[0]) == web
+
+
+@pytest.mark.skipif(shutil.which("strace") is None, reason="strace tells who is connected to")
+def test_the_process_of_a_viewer_that_was_started_before_connects_to_this_machine_alone(tmp_path):
+    # Rerun's statistics begin with the second start, with a look-up of their server's name
+    scene = small_scene(tmp_path)
+    assert porous_swim("run", scene, "--out", tmp_path / "run", cwd=tmp_path).returncode == 0
+    settings = {"HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)}
+    there = {name: value for name, value in environment().items() if name not in {"CI", "BROWSER"}}
+    trace = ["strace", "-f", "-e", "trace=connect", "-e", "signal=none"]
+    for i in range(2):
+        log = tmp_path / f"trace{i}"
+        child = subprocess.Popen(
+            [*trace, "-o", log, sys.executable, "-m", "porous_swim", "view", "--web", tmp_path / "run"],
+            env=there | settings | {"BROWSER": "true"}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )  # fmt: skip
+        time.sleep(6.0)
+        os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+        peers = set(re.findall(r'inet_addr\("([^"]*)"\)', log.read_text()))
+        assert peers <= {"127.0.0.1"}
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="displays of other systems have no name")

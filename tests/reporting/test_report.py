@@ -147,7 +147,7 @@ def test_a_scene_with_units_has_them_in_every_table_and_on_every_axis(pages, run
         assert found == unit
         _agree_as_printed(" ".join(value), factor * entry["value"], factor * entry["standard_error"])
     assert "a/U = 0.2 s, U = 5 µm/s" in pages["crystal_thermal"].text
-    # 10 a/U are too few for an effective diffusivity, and all say so: in its place, and among what is doubtful
+    # 10 a/U are too few for an effective diffusivity, and all say so: in its place, and among the warnings
     assert summary["diffusivity"]["effective"]["value"] is None
     assert rows["effective diffusivity"][1][0] == "–"
     assert pages["crystal_thermal"].text.count(summary["diffusivity"]["reason"]) >= 2
@@ -321,7 +321,7 @@ def test_one_encounter_that_never_ends_is_said_to_be_stuck(pages):
         assert words in pages["bullseye"].text
 
 
-def test_a_fraction_that_still_changes_and_an_interrupted_run_are_doubtful(tmp_path):
+def test_a_fraction_that_still_changes_and_an_interrupted_run_give_warnings(tmp_path):
     results = in_memory(synthetic.encounters(synthetic.info(), swimmer=[]), n_frames=40, n_recorded=30)
     columns = {name: results.timeseries[name].to_numpy() for name in results.timeseries.schema.names}
     columns["fraction_bound"] = np.linspace(0.0, 1.0, 40)  # quarters of 0.62 and 0.88: 5 standard errors of 30 swimmers

@@ -22,7 +22,7 @@ import pytest
 import porous_swim as ps
 from porous_swim.core.errors import ResultsError, RunError
 from porous_swim.results import encounter_table as encounters_module
-from porous_swim.results import results as results_module
+from porous_swim.results import loading as loading_module
 from porous_swim.results.manifest import RUN_FILES, SCRATCH
 from porous_swim.results.run_folder import RunFolder
 from porous_swim.results.tables import SCHEMAS, TableInfo
@@ -277,8 +277,8 @@ def test_a_long_table_of_encounters_is_checked_by_rows_at_once_and_page_by_page_
     tmp_path, monkeypatch
 ) -> None:
     monkeypatch.setattr(encounters_module, "MANY", 100)
-    monkeypatch.setattr(results_module, "MANY", 100)
-    monkeypatch.setattr(results_module, "checked", lambda results, folder: results)  # tables of several sizes
+    monkeypatch.setattr(loading_module, "MANY", 100)
+    monkeypatch.setattr(loading_module, "checked", lambda results, folder: results)  # tables of several sizes
     n = 2000
     about = synthetic.info(n_swimmers=n)
     rng = np.random.default_rng(1)

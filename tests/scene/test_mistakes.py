@@ -175,3 +175,20 @@ def test_check_refuses_what_a_run_refuses_for_want_of_a_device() -> None:
     for attempt in (describe, Start.of):
         with pytest.raises(ps.DeviceError, match="no metal device was found"):
             attempt(scene)
+
+
+def test_values_given_from_outside_mend_mistakes_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(
+        "swimmers: {count: -3, dipole_strength: !!float xx, release: {kind: point, position: [0, 0, 6]}}\n"
+        "obstacles: {layout: single, radius: 5}\n"
+        "run: {time_step: 0.01, duration: 1}\n"
+    )
+    with pytest.raises(SceneError) as caught:
+        load_scene(path, {"swimmers.count": 10})
+    assert str(caught.value) == f"{path}:1:40: swimmers.dipole_strength: 'xx' cannot be read as float"
+    with pytest.raises(SceneError) as caught:
+        load_scene(path, {"swimmers.count": -4, "swimmers.dipole_strength": 0.3})
+    assert str(caught.value) == "swimmers.count: expected more than 0, found -4"
+    scene = load_scene(path, {"swimmers.count": 10, "swimmers.dipole_strength": 0.3})
+    assert (scene.swimmers.count, scene.swimmers.dipole_strength) == (10, 0.3)

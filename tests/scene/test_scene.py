@@ -255,7 +255,7 @@ def test_a_scene_cannot_be_changed(tmp_path: Path) -> None:
         load(tmp_path, GOOD).swimmers.count = 3
 
 
-def test_warnings_name_what_is_doubtful(tmp_path: Path) -> None:
+def test_warnings_name_what_is_legal_and_seldom_meant(tmp_path: Path) -> None:
     scene = load(tmp_path, GOOD)
     (jump,) = scene.warnings()
     (clamp, _) = scene.replace({"run.integrator": "euler"}).warnings()

@@ -26,9 +26,9 @@ import porous_swim as ps
 from porous_swim.analysis.summary import summarize, summary_lines
 from porous_swim.core.errors import ResultsError
 from porous_swim.reporting import write
-from porous_swim.reporting.doubts import doubts
 from porous_swim.reporting.page import html
 from porous_swim.reporting.run import runs_of
+from porous_swim.reporting.run_warnings import run_warnings
 from porous_swim.results.tables import SCHEMAS
 
 LONGEST = 30.0  # seconds of CPU for one folder
@@ -229,7 +229,7 @@ def look(folder: Path, *, draws: bool) -> str:
             return ""
         runs = runs_of([results])
         sections = [make(runs) for make in write.SECTIONS]
-        html("t", write._lead(runs), sections, {}, [sentence for run in runs for sentence in doubts(run)])
+        html("t", write._lead(runs), sections, {}, [sentence for run in runs for sentence in run_warnings(run)])
     except ResultsError as error:
         if str(folder) not in str(error):
             raise AssertionError("names no file") from error

@@ -116,7 +116,7 @@ def waiting_times(
     )
     del swimmers  # there may be 10^8 rows
     known = (length, ended, swimmer) if whole.all() else (length[whole], ended[whole], swimmer[whole])
-    restricted, restricted_error, horizon, doubt = _restricted_mean(*known, horizon=horizon, follow_up=follow_up)
+    restricted, restricted_error, horizon, warning = _restricted_mean(*known, horizon=horizon, follow_up=follow_up)
     return WaitingTimes(
         mean=mean,
         standard_error=standard_error,
@@ -127,7 +127,7 @@ def waiting_times(
         horizon=horizon,
         mean_completed=mean_completed,
         completed_standard_error=completed_error,
-        restricted_warning=doubt,
+        restricted_warning=warning,
     )
 
 
@@ -158,11 +158,11 @@ def _share_left(curve: SurvivalCurve) -> float:
 def _restricted_mean(
     length: np.ndarray, ended: np.ndarray, swimmer: np.ndarray, *, horizon: float | None, follow_up: float | None
 ) -> tuple[float, float, float, str | None]:
-    """Area under the survival curve up to the horizon, its error over swimmers, the horizon, and a doubt."""
+    """Area under the survival curve up to the horizon, its error over swimmers, the horizon, and a warning."""
     if len(length) == 0:
         return math.nan, math.nan, math.nan if horizon is None else horizon, None
     curve = survival_curve(length, ended=ended)
-    horizon, doubt = _end_of_mean(curve, horizon=horizon, follow_up=follow_up)
+    horizon, warning = _end_of_mean(curve, horizon=horizon, follow_up=follow_up)
     n_used = int(np.searchsorted(curve.time, horizon, side="left"))
     time, n_ended, n_at_risk = (values[:n_used] for values in (curve.time, curve.n_ended, curve.n_at_risk))
     steps = np.diff(np.concatenate([[0.0], time, [horizon]]))
@@ -184,6 +184,6 @@ def _restricted_mean(
     del last
     swimmers = Swimmers.of(swimmer)
     influence = swimmers.sums(exposure)
-    if swimmers.n < 2 or doubt is not None:
-        return mean, math.nan, horizon, doubt
+    if swimmers.n < 2 or warning is not None:
+        return mean, math.nan, horizon, warning
     return mean, math.sqrt(swimmers.n / (swimmers.n - 1) * float(np.sum(influence**2))), horizon, None

@@ -96,8 +96,8 @@ def effective_diffusivity(
 def none_for(n: int) -> str:
     """Why there is none for `n` swimmers: a sentence for reports and summaries."""
     return (
-        f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} swimmers whose ways differ, of {n} here, "
-        f"and {2 * FEWEST_LAGS} frames after the first (record.every)."
+        f"There is no effective diffusivity: it needs {FEWEST_SWIMMERS} swimmers whose trajectories differ, of {n} "
+        f"here, and {2 * FEWEST_LAGS} frames after the first (record.every)."
     )
 
 

@@ -147,11 +147,11 @@ def diffusivity(trajectory: pa.Table, *, persistence_time: float) -> Diffusivity
     error = float(np.std(each, ddof=1)) / math.sqrt(n) if n > 1 else math.nan
     if reliable:
         return Diffusivity(float(np.mean(each)), error, n, window, True)
-    doubt = (
+    reason = (
         f"The run of {duration:g} a/U is shorter than {PERSISTENCE_TIMES_WANTED:g} persistence times "
         f"({persistence_time:.3g} a/U each): the value is the slope from {window[0]:g} a/U on, no diffusivity yet."
     )
-    return Diffusivity(float(np.mean(each)), error, n, window, False, doubt)
+    return Diffusivity(float(np.mean(each)), error, n, window, False, reason)
 
 
 def _lag(recorded: Tracks) -> np.ndarray:

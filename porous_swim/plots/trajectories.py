@@ -1,4 +1,4 @@
-"""The medium, and the ways of some swimmers through it."""
+"""The medium, and the trajectories of some swimmers through it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _BEHIND = 0.22  # opacity of colloids that are seen through each other
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class Trajectories:
     """Colloids, and swimmers at times."""
 
     centers: np.ndarray  # (n_colloids, 3) a
@@ -31,8 +31,8 @@ class Ways:
     flat_normal: np.ndarray | None = None  # (3,) where the one colloid is flat: its centre is a point of the plane
 
 
-def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
-    """Ways coloured by state over the colloids and their images; in three dimensions seen along z and along y."""
+def draw(shown: list[Shown[Trajectories]], scales: Scales | None) -> Figure:
+    """Trajectories coloured by state, over the colloids and their images; in space seen along z and along y."""
     views = [(run, plane) for run in shown for plane in (((0, 1),) if run.data.dimensions == 2 else ((0, 1), (0, 2)))]
     picture, axes = panels(len(views), in_line=2, width=5.4, height=4.9, square=True)
     for axis, (run, plane) in zip(axes, views, strict=True):
@@ -48,19 +48,19 @@ def draw(shown: list[Shown[Ways]], scales: Scales | None) -> Figure:
     return picture
 
 
-def _panel(axis, ways: Ways, plane: tuple[int, int]) -> None:
-    position = ways.position[:, :, plane]
-    low, high = _view(ways, plane)
-    box = ways.box[plane[0]], ways.box[plane[1]]
-    centers, radii = ways.centers[:, plane], ways.radii
+def _panel(axis, trajectories: Trajectories, plane: tuple[int, int]) -> None:
+    position = trajectories.position[:, :, plane]
+    low, high = _view(trajectories, plane)
+    box = trajectories.box[plane[0]], trajectories.box[plane[1]]
+    centers, radii = trajectories.centers[:, plane], trajectories.radii
     if np.all(np.isfinite(radii)):
         centers, radii = images_in(centers, radii, box=box, low=low, high=high)
-    if ways.flat_normal is not None:
-        _flat(axis, centers[0], ways.flat_normal[list(plane)])
+    if trajectories.flat_normal is not None:
+        _flat(axis, centers[0], trajectories.flat_normal[list(plane)])
     elif len(radii) <= _MOST_DISCS:
-        colloid_discs(axis, centers, radii, alpha=1.0 if ways.dimensions == 2 else _BEHIND)
+        colloid_discs(axis, centers, radii, alpha=1.0 if trajectories.dimensions == 2 else _BEHIND)
     segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
-    state = ways.state[1:].reshape(-1)
+    state = trajectories.state[1:].reshape(-1)
     for value, color in enumerate(STATE_COLORS):
         axis.add_collection(LineCollection(segments[state == value], colors=color, linewidths=1.2, zorder=2.0))
     axis.plot(position[0, :, 0], position[0, :, 1], "o", color="black", markersize=3.0, zorder=3.0)
@@ -73,14 +73,14 @@ def _flat(axis, point: np.ndarray, normal: np.ndarray) -> None:
         axis.axline(point, point + np.array([-normal[1], normal[0]]), color="0.45", linewidth=3.0, zorder=1.0)
 
 
-def _view(ways: Ways, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of what is shown: all ways, and all colloids of a field that does not repeat; as wide as high."""
-    points = ways.position[:, :, plane].reshape(-1, 2)
-    if len(ways.centers) and np.all(np.isfinite(ways.radii)) and not any(ways.box[axis] > 0.0 for axis in plane):
-        reach = ways.radii[:, None]
-        points = np.concatenate([points, ways.centers[:, plane] - reach, ways.centers[:, plane] + reach])
+def _view(shown: Trajectories, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of what is shown: all positions, and all colloids of a field that does not repeat; as wide as high."""
+    points = shown.position[:, :, plane].reshape(-1, 2)
+    if len(shown.centers) and np.all(np.isfinite(shown.radii)) and not any(shown.box[axis] > 0.0 for axis in plane):
+        reach = shown.radii[:, None]
+        points = np.concatenate([points, shown.centers[:, plane] - reach, shown.centers[:, plane] + reach])
     if len(points) == 0:
-        points = np.array([[0.0, 0.0], [max(ways.box[axis], 1.0) for axis in plane]])
+        points = np.array([[0.0, 0.0], [max(shown.box[axis], 1.0) for axis in plane]])
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = 0.5 * (low + high), (0.5 + _MARGIN) * max(float(np.max(high - low)), 1.0)
     return middle - half, middle + half

@@ -1,4 +1,4 @@
-"""What is doubtful about a run as a whole; sections add what they find."""
+"""What to mind about a run as a whole; sections add what they find."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from porous_swim.reporting.run import Run
 STEADY = 4.0  # standard errors between the third and the last quarter
 
 
-def doubts(run: Run) -> list[str]:
+def run_warnings(run: Run) -> list[str]:
     """The warnings of the summary, and what its time series gives rise to."""
     return [run.says(sentence) for sentence in (*_status(run), *run.results.summary.get("warnings", ()), *_series(run))]
 

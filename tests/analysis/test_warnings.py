@@ -48,14 +48,14 @@ def test_estimates_that_are_not_to_be_trusted_say_why_in_the_summary() -> None:
     assert all("warning" not in found[group][name] for group, name in (("hops", "rate"), ("fractions", "bound")))
 
 
-def test_lines_and_page_tell_a_doubt_below_its_value_and_not_again() -> None:
+def test_lines_and_page_tell_a_warning_below_its_value_and_not_again() -> None:
     found = few_ends()
     lines = summary_lines(found)
     at = next(i for i, line in enumerate(lines) if line.startswith("residence time: "))
-    assert lines[at + 1].startswith("  doubtful: Few encounters ended (1)")
+    assert lines[at + 1].startswith("  warning: Few encounters ended (1)")
     assert sum("Few encounters ended" in line for line in lines) == 1
     row = next(line for line in summary_page(found).splitlines() if line.startswith("| residence time"))
-    assert "**doubtful**: Few encounters ended (1)" in row
+    assert "**warning**: Few encounters ended (1)" in row
 
 
 @pytest.fixture(scope="module")
@@ -66,23 +66,23 @@ def results() -> Results:
 
 
 def marked(results: Results, path: tuple[str, str], *, value: float | None) -> Results:
-    """The same with a doubt about one of its statistics."""
+    """The same with a warning about one of its statistics."""
     group = results.summary[path[0]]
-    entry = {**group[path[1]], "value": value, "warning": "It is <doubtful>."}
+    entry = {**group[path[1]], "value": value, "warning": "It is <wrong>."}
     return replace(results, summary={**results.summary, path[0]: {**group, path[1]: entry}})
 
 
 @pytest.mark.parametrize("path", [("residence", "mean"), ("diffusivity", "effective"), ("flights", "restricted_mean")])
 @pytest.mark.parametrize("value", [1.5, None])
 @pytest.mark.parametrize("n_runs", [1, 2])
-def test_a_row_of_the_reports_table_tells_the_doubt(results, tmp_path, path, value, n_runs) -> None:
+def test_a_row_of_the_reports_table_tells_the_warning(results, tmp_path, path, value, n_runs) -> None:
     every = [marked(results, path, value=value)] * n_runs
     table = statistics.section(runs_of(every)).tables[0]
     row = next(row for row in table.rows if row[0] == statistics.name_of(path))
-    cells = [cell for cell in row if isinstance(cell, Number) and cell.doubt]
-    assert [cell.doubt for cell in cells] == ["It is <doubtful>."] * n_runs
+    cells = [cell for cell in row if isinstance(cell, Number) and cell.warning]
+    assert [cell.warning for cell in cells] == ["It is <wrong>."] * n_runs
     if n_runs == 1:
-        assert "doubtful: It is <doubtful>." in Page(ps.report(every, tmp_path)).text
+        assert "warning: It is <wrong>." in Page(ps.report(every, tmp_path)).text
 
 
 def test_a_restricted_mean_in_the_report_tells_its_horizon(results) -> None:
@@ -93,12 +93,12 @@ def test_a_restricted_mean_in_the_report_tells_its_horizon(results) -> None:
     assert row[1].note == f"up to {end:.4g} a/U"
 
 
-def test_the_terminal_marks_a_doubtful_value_and_tells_why_once(results, tmp_path, capsys) -> None:
+def test_the_terminal_marks_a_value_with_a_warning_and_tells_why_once(results, tmp_path, capsys) -> None:
     runs = runs_of([marked(results, ("winding", "completed"), value=1.5)])
     print_report(Report(tmp_path, runs, ("Also.",)))
     lines = capsys.readouterr().out.splitlines()
     assert any("winding of completed encounters" in line and line.rstrip().endswith("(!)") for line in lines)
-    assert sum("It is <doubtful>." in line for line in lines) == 1
+    assert sum("It is <wrong>." in line for line in lines) == 1
 
 
 def changed(results: Results, **changes: Any) -> Run:
@@ -133,4 +133,4 @@ def test_a_theory_out_of_its_range_is_marked_in_its_curve_its_text_and_at_the_to
     weak = changed(results, **{"swimmers.dipole_strength": 0.2})
     within = trapping(weak, escape_pitch_lifetimes(weak.encounters))
     assert within.curve is not None
-    assert within.doubts == ()
+    assert within.warnings == ()
