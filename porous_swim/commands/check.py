@@ -118,8 +118,9 @@ def _critical(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     radii = field.radii
     if len(radii) == 0 or scene.hydrodynamics.kind == "none":
         return []
-    if np.isinf(radii[0]):
-        return [("A/A_c", f"infinite: without noise {field.name(0)} keeps every swimmer that comes to touch it")]
+    if len(flat := np.flatnonzero(np.isinf(radii))):
+        name = field.name(int(flat[0]))
+        return [("A/A_c", f"infinite: without noise {name} keeps every swimmer that comes to touch it")]
     try:
         A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio)
     except ValueError:

@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from porous_swim.core.csv_table import read_columns
 from porous_swim.core.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Part, Point, Radius, as_vector
+from porous_swim.core.scales import told
 from porous_swim.obstacles.disorder import Packing, Random
 from porous_swim.obstacles.domain import Domain
 from porous_swim.obstacles.field import ObstacleField
@@ -24,6 +25,8 @@ from porous_swim.obstacles.wall import Wall
 
 class NoObstacles(Part):
     """Free space, or an empty periodic box."""
+
+    ROUND: ClassVar[bool] = False  # as of `Wall`
 
     layout: Literal["none"]
 
@@ -137,7 +140,7 @@ class FromFile(Part):
             optional=["z"] if flat else [],
         )
         centers = np.stack([columns["x"], columns["y"], columns["z"]], axis=1)
-        self._check_rows(centers, columns["radius"], flat=flat)
+        self._check_rows(centers, columns["radius"], domain)
         beads = Beads(self._factor * centers, self._factor * columns["radius"], domain.scales)
         if self._unsaid:
             beads = beads.noted(
@@ -153,7 +156,7 @@ class FromFile(Part):
             tolerance=max(self.tolerance, TOUCH), notes=beads.notes,
         )  # fmt: skip
 
-    def _check_rows(self, centers: np.ndarray, radii: np.ndarray, *, flat: bool) -> None:
+    def _check_rows(self, centers: np.ndarray, radii: np.ndarray, domain: Domain) -> None:
         if len(radii) == 0:
             raise KeyedError("obstacles.path", f"{self.path}: expected at least one colloid below the header")
         if np.any(radii <= 0.0):
@@ -161,14 +164,14 @@ class FromFile(Part):
             raise KeyedError(
                 "obstacles.path", f"{self.path}: colloid {i} must have a radius above 0, found {radii[i]:g}"
             )
-        beyond = (radii < LEAST_RADIUS) | (radii > LARGEST_RADIUS)
+        in_a = self._factor * radii
+        beyond = (in_a < LEAST_RADIUS) | (in_a > LARGEST_RADIUS)
         if np.any(beyond):
             i = int(np.argmax(beyond))
-            allowed = f"{LEAST_RADIUS:g} to {LARGEST_RADIUS:g}"
-            raise KeyedError(
-                "obstacles.path", f"{self.path}: colloid {i} must have a radius of {allowed}, found {radii[i]:g}"
-            )
-        if flat and np.any(centers[:, 2] != 0.0):
+            least, most, found = (told(x, "a", domain.scales) for x in (LEAST_RADIUS, LARGEST_RADIUS, float(in_a[i])))
+            message = f"{self.path}: colloid {i} must have a radius of {least} to {most}, found {found}"
+            raise KeyedError("obstacles.path", message)
+        if domain.dimensions == 2 and np.any(centers[:, 2] != 0.0):
             i = int(np.argmax(centers[:, 2] != 0.0))
             message = f"{self.path}: in two dimensions colloid {i} must have z = 0, found {centers[i, 2]:g}"
             raise KeyedError("obstacles.path", message)

@@ -128,6 +128,8 @@ def wall_axes(normal: np.ndarray, dimensions: int) -> np.ndarray:
 class Wall(Part):
     """One plane wall, with fluid on one side, in open space."""
 
+    ROUND: ClassVar[bool] = PlaneWall.ROUND  # of what it puts; else a rod may touch two, and costs more
+
     layout: Literal["wall"]
     normal: Direction
     """Direction from the wall into the fluid; any length."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from porous_swim.core.parts import KeyedError, SeveralKeyedError
-from porous_swim.core.scales import Scales, told
+from porous_swim.core.scales import told
 from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.physics.noise import Brownian
 from porous_swim.scene.model import SceneModel
@@ -35,8 +35,7 @@ def disagreements(scene: SceneModel, *, whole: bool = True) -> list[KeyedError]:
 
 
 def _told(time: float, scene: SceneModel, digits: str = "g") -> str:
-    units = scene.unit_system
-    return told(time, "a/U", None if units is None else Scales(units.length, units.time), digits=digits)
+    return told(time, "a/U", scene.scales, digits=digits)
 
 
 def _whole_run(scene: SceneModel) -> None:

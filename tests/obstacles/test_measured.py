@@ -85,6 +85,13 @@ def test_what_does_not_fit_a_lattice_is_told_in_um_too(tmp_path):
     assert "0.025 a/U (0.0025 s) is not a whole number of steps of 0.01 a/U (0.001 s)" in duration
 
 
+def test_radii_are_bounded_in_half_lengths_whatever_the_unit_of_the_table(tmp_path):
+    tiny = np.array([[0.0, 0.0, 0.0004]])  # px
+    assert place(tmp_path, tiny, unit="px", scale=5.0).radii == pytest.approx([0.002])  # allowed from 0.001
+    with pytest.raises(SceneError, match=r"radius of 0.001 a .* to 1e\+06 a .*, found 0.0008 a \(0.0004 µm\)"):
+        place(tmp_path, tiny, unit="um", units=UNITS)
+
+
 @pytest.mark.parametrize(
     ("header", "hint"),
     [
