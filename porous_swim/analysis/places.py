@@ -19,15 +19,22 @@ def radii_of(colloids: pa.Table) -> np.ndarray:
     return column(colloids, "radius")[np.argsort(column(colloids, "colloid"))]
 
 
-def at_wall(colloids: pa.Table) -> bool:
-    """Whether the one obstacle is a plane wall, whose radius is infinite."""
-    return bool(np.any(np.isinf(radii_of(colloids))))
+def all_round(colloids: pa.Table) -> bool:
+    """Whether swimmers can go round every colloid: a plane wall is a colloid of infinite radius."""
+    return not np.any(np.isinf(radii_of(colloids)))
+
+
+def own_name(colloids: pa.Table) -> str | None:
+    """What the one obstacle is called in place of a colloid; None where all are colloids."""
+    return None if all_round(colloids) else "a plane wall"
 
 
 def sphere_radii_of(colloids: pa.Table) -> np.ndarray:
-    """The same where offsets from centres must mean something; `ResultsError` for a plane wall."""
-    if at_wall(colloids):
-        raise ResultsError("colloids: found a plane wall, which has no centre; this statistic is one of spheres")
+    """Radii where offsets from centres must mean something; `ResultsError` for a plane wall."""
+    if not all_round(colloids):
+        raise ResultsError(
+            f"colloids: found {own_name(colloids)}, which has no centre; this statistic is one of spheres"
+        )
     return radii_of(colloids)
 
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 from porous_swim.analysis.columns import column, needs
 from porous_swim.analysis.estimates import Estimate, Swimmers, joined, ratio_of_sums
 from porous_swim.analysis.lifetimes.residence import WHEN, residence_lengths
-from porous_swim.analysis.places import at_wall
+from porous_swim.analysis.places import all_round
 from porous_swim.results.encounter_table import Encounters, parts_of
 
 
@@ -32,9 +32,9 @@ class Winding:
 def winding(encounters: pa.Table | Encounters, colloids: pa.Table | None = None) -> Winding:
     """Winding statistics of a table of encounters; errors are a jackknife over swimmers.
 
-    There are none where `colloids` is a plane wall: nobody winds around it.
+    There are none where `colloids` are such that nobody can go round them.
     """
-    if colloids is not None and at_wall(colloids):
+    if colloids is not None and not all_round(colloids):
         nothing = Estimate.none("turns")
         return Winding(nothing, nothing, Estimate.none("turns U/a"), Estimate.none(""))
     sums = joined(_sums(part) for part in parts_of(encounters, *WHEN, "winding", "signed_winding"))

@@ -10,7 +10,6 @@ from porous_swim.core.scales import Scales
 from porous_swim.observers.rerun.recording import recording_size
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
 from porous_swim.running.costs import Seconds, compiling_seconds, expected_seconds
 from porous_swim.running.footprint import amount, footprint, require_memory
 from porous_swim.running.simulation import Start
@@ -37,7 +36,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     if scene.description:
         rows.append(("", scene.description))
     rows += [("swimmers", _swimmers(scene)), ("noise", _noise(scene)), ("colloids", _colloids(field))]
-    rows += [*_critical(scene, field.radii), *_units(scene), *_costs(scene, field)]
+    rows += [*_critical(scene, field), *_units(scene), *_costs(scene, field)]
     return rows + [("warning", text) for text in scene.warnings(field)]
 
 
@@ -62,14 +61,11 @@ def _noise(scene: Scene) -> str:
 def _colloids(field: ObstacleField) -> str:
     if len(field.radii) == 0:
         return f"none, in {field.dimensions} dimensions"
-    if isinstance(field, WallField):
-        point, normal = ("(" + ", ".join(f"{x:g}" for x in v) + ")" for v in (field.centers[0], field.normal))
-        return f"a plane wall through {point} with normal {normal}, in {field.dimensions} dimensions"
     edges = " x ".join(f"{edge:g}" for edge in field.box if edge > 0.0)
     place = f"a periodic box of {edges} a" if edges else "open space"
     kind = "area" if field.dimensions == 2 else "volume"
     share = "" if field.packing_fraction is None else f"; packing fraction ({kind}) {field.packing_fraction:.4f}"
-    return f"{_count(len(field.radii), 'colloid')} in {field.dimensions} dimensions, in {place}{share}"
+    return f"{field.described()} in {field.dimensions} dimensions, in {place}{share}"
 
 
 def _units(scene: Scene) -> list[tuple[str, str]]:
@@ -117,12 +113,14 @@ def _time(seconds: Seconds, compiling: float) -> str:
     )
 
 
-def _critical(scene: Scene, radii: np.ndarray) -> list[tuple[str, str]]:
+def _critical(scene: Scene, field: ObstacleField) -> list[tuple[str, str]]:
     """A/A_c for the radii of the field: a lone colloid captures for good, without noise, above 1."""
+    radii = field.radii
     if len(radii) == 0 or scene.hydrodynamics.kind == "none":
         return []
-    if np.isinf(radii[0]):
-        return [("A/A_c", "infinite: without noise a plane wall keeps every swimmer that comes to touch it")]
+    if len(flat := np.flatnonzero(np.isinf(radii))):
+        name = field.name(int(flat[0]))
+        return [("A/A_c", f"infinite: without noise {name} keeps every swimmer that comes to touch it")]
     try:
         A_c = critical_radius(scene.swimmers.dipole_strength, scene.swimmers.aspect_ratio)
     except ValueError:

@@ -52,6 +52,13 @@ def shown_in(unit: str, scales: Scales | None) -> tuple[float, str]:
     return (scales and scales.physical(unit)) or (1.0, pretty(unit))
 
 
+def told(value: float, unit: str, scales: Scales | None, *, digits: str = "g") -> str:
+    """A number of a message: `0.5` where the scene has no units, else `0.5 a (1 µm)`."""
+    found = scales and scales.physical(unit)
+    text = format(value, digits)
+    return f"{text} {pretty(unit)} ({value * found[0]:.4g} {found[1]})" if found else text
+
+
 def with_physical(summary: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
     """Return a summary in which each statistic that has a unit tells under `physical` what it is in the laboratory."""
     if scales is None:

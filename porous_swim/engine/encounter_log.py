@@ -142,7 +142,7 @@ class Records:
         x, e = np.zeros_like(center), np.zeros_like(center)
         first_x, first_e = getattr(self._columns, f"{end}_x"), getattr(self._columns, f"{end}_e")
         x[:, :d], e[:, :d] = real[:, first_x : first_x + d], real[:, first_e : first_e + d]
-        x, e = self._field.from_device(x), self._field.from_device(e)
+        x, e = self._field.from_device(x, colloid), self._field.from_device(e, colloid)
         height, sine = self._field.stance(x, e, colloid)
         pitch = np.arcsin(np.clip(sine, -1.0, 1.0))
         names = [f"{end}_{name}" for name in "xyz"] + [f"{end}_e{name}" for name in "xyz"] + [f"{end}_pitch"]

@@ -27,7 +27,7 @@ class Snapshot:
     start: np.ndarray  # (n,) float64, steps, when that began
     height: np.ndarray  # (n,) float64, a, above the colloid of the encounter, else above the nearest
     pitch_sine: np.ndarray  # (n,) float64, of the pitch there; 0 in an empty field
-    radius: np.ndarray  # (n,) float64, a, of that colloid; infinite at a wall and in an empty field
+    radius: np.ndarray  # (n,) float64, a, of that colloid; infinite where it is flat and in an empty field
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,9 @@ class HostState:
             state.int[Int.SET] = set_of
         if located or mates:
             state.int[Int.MATE] = -1
-        offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE))
-        director = field.to_device(director)
+        seen_from = state.int[Int.COLLOID]
+        offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE), seen_from)
+        director = field.to_device(director, seen_from)
         state.real[rows.x : rows.x + d] = offset.T[:d]
         state.real[rows.rest : rows.rest + d] = offset.T[:d] - state.real[rows.x : rows.x + d].astype(np.float64)
         state.real[rows.e : rows.e + d] = director.T[:d]
@@ -75,8 +76,9 @@ class HostState:
         offset, director = np.zeros((2, self.int.shape[1], 3))
         offset[:, :d] = self.real[rows.x : rows.x + d].T.astype(np.float64) + self.real[rows.rest : rows.rest + d].T
         director[:, :d] = self.real[rows.e : rows.e + d].T
-        position = self._center(Int.COLLOID, Int.IMAGE) + self.field.from_device(offset)
-        director = self.field.from_device(director)
+        seen_from = self.int[Int.COLLOID]
+        position = self._center(Int.COLLOID, Int.IMAGE) + self.field.from_device(offset, seen_from)
+        director = self.field.from_device(director, seen_from)
         bound = self.bound
         r = position - np.where(
             bound[:, None], self._center(Int.BOUND, Int.BOUND_IMAGE), self._center(Int.COLLOID, Int.IMAGE)

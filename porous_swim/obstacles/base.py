@@ -23,6 +23,8 @@ class Layout(OpenPart):
     TAG: ClassVar[str] = "layout"
     OPEN: ClassVar[bool] = False
     """Whether space is open where the scene does not say, in place of periodic."""
+    ROUND: ClassVar[bool] = True
+    """Whether it puts bodies that swimmers can go all the way round, of which a rod may touch two."""
 
     if TYPE_CHECKING:
         layout: str

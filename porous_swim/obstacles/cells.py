@@ -69,7 +69,7 @@ def build_cells(field: ObstacleField, *, reach: float, threads: int | None = Non
 
     `threads` are by default as many as this process may use. `SceneError` where the index does not fit into memory.
     """
-    centers, radii = field.centers, np.where(np.isinf(field.radii), 0.0, field.radii)  # a wall is its own centre
+    centers, radii = field.centers, field.at_surface
     if len(radii) == 0:
         centers, radii = np.zeros((1, 3)), np.array([ANCHOR_RADIUS])
     axes = np.arange(3) < field.dimensions

@@ -11,11 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from porous_swim.core.parts import FARTHEST, KeyedError, Length, Radii, Whole
+from porous_swim.core.scales import told
 from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
-from porous_swim.obstacles.field import ObstacleField, bulk
+from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
 from porous_swim.obstacles.overlaps import checked_field
+from porous_swim.obstacles.spheres import bulk
 
 Fractions = Annotated[tuple[Annotated[float, Field(ge=1e-9, le=1e9)], ...], Field(min_length=1)]
 
@@ -73,7 +75,7 @@ class Disorder(Layout):
         centers[:, : domain.dimensions] = self._centers(radii + 0.5 * self.min_gap, box[: domain.dimensions], rng)
         if not domain.periodic:
             box = np.zeros(3)
-        return checked_field(centers, radii, box=box, dimensions=domain.dimensions, key="obstacles")
+        return checked_field(centers, radii, box=box, domain=domain, key="obstacles")
 
     _LIMITS: ClassVar[dict[int, float]] = {}  # share of the box that many equal spheres reach, by dimensions
     _WHY: ClassVar[str] = ""
@@ -102,8 +104,9 @@ class Disorder(Layout):
             box[:d] = (bulk(radii, d).sum() / self.packing_fraction) ** (1.0 / d)
         shortest = 2.0 * radii[0] + self.min_gap
         if box[:d].min() < shortest:
-            message = f"a colloid of radius {radii[0]:g} overlaps its own image in a box of {box[:d].min():g}"
-            raise KeyedError("obstacles", f"{message}: expected at least {shortest:g}")
+            radius, edge, least = (told(float(x), "a", domain.scales) for x in (radii[0], box[:d].min(), shortest))
+            message = f"a colloid of radius {radius} overlaps its own image in a box of {edge}"
+            raise KeyedError("obstacles", f"{message}: expected at least {least}")
         self._check_room(radii + 0.5 * self.min_gap, box[:d])
         return radii, box
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
-from porous_swim.core.parts import LEAST_RADIUS, LONGEST, KeyedError, Length, Part, as_vector
+from porous_swim.core.parts import LEAST_RADIUS, LONGEST, UNITS_UNKNOWN, KeyedError, Length, Part, as_vector
+from porous_swim.core.scales import Scales
 
 MOST_COLLOIDS = 10**8  # about 3 GB of centres and radii
 
@@ -23,6 +24,20 @@ class Domain(Part):
     """`open` is unbounded, `periodic` repeats. Left out: open for `none`, `single` and `wall`, else periodic."""
     size: Annotated[tuple[Edge, ...], Field(min_length=2, max_length=3)] | None = None
     """Edges of the box, where the layout does not set it: `[x, y]` in 2-D, `[x, y, z]` in 3-D."""
+
+    _scales: Scales | None = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _remember_units(self, info: ValidationInfo) -> Domain:
+        units = (info.context or {}).get("units")
+        if units is not None and units != UNITS_UNKNOWN:
+            self._scales = Scales(units.length, units.time)
+        return self
+
+    @property
+    def scales(self) -> Scales | None:
+        """What a and a/U are in the laboratory, for messages; None where the scene has no units."""
+        return self._scales
 
     @property
     def periodic(self) -> bool:

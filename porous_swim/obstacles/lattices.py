@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from porous_swim.core.parts import LONGEST, KeyedError, Length, Radius, Whole, check_all
+from porous_swim.core.scales import told
 from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.domain import MOST_COLLOIDS, Domain
 from porous_swim.obstacles.field import ObstacleField
@@ -36,7 +37,7 @@ class Lattice(Layout):
             lambda: self._check_dimensions(domain, tag),
             lambda: domain.refuse_size(f"the layout {tag} sets the box from spacing and cells"),
             lambda: self._check_cells(domain),
-            self._check_spacing,
+            lambda: self._check_spacing(domain),
         )
 
     def _check_dimensions(self, domain: Domain, tag: str) -> None:
@@ -52,11 +53,13 @@ class Lattice(Layout):
         if count > MOST_COLLOIDS:
             raise KeyedError("obstacles.cells", f"expected at most {MOST_COLLOIDS} colloids, found {count}")
 
-    def _check_spacing(self) -> None:
+    def _check_spacing(self, domain: Domain) -> None:
         if self.spacing < 2.0 * self.radius:
-            overlap = 2.0 * self.radius - self.spacing
-            message = f"colloids of radius {self.radius:g} overlap by {overlap:.3g}: expected at least"
-            raise KeyedError("obstacles.spacing", f"{message} {2.0 * self.radius:g}, found {self.spacing:g}")
+            numbers = self.radius, 2.0 * self.radius, self.spacing
+            radius, least, found = (told(value, "a", domain.scales) for value in numbers)
+            overlap = told(2.0 * self.radius - self.spacing, "a", domain.scales, digits=".3g")
+            message = f"colloids of radius {radius} overlap by {overlap}: expected at least {least}, found {found}"
+            raise KeyedError("obstacles.spacing", message)
 
     def n_colloids(self, domain: Domain, folder: Path) -> int:
         """Return how many colloids there will be."""
@@ -73,7 +76,7 @@ class Lattice(Layout):
         box = np.zeros(3)
         if domain.periodic:
             box[: self.DIMENSIONS] = np.array(self.cells) * edges
-        return ObstacleField(centers, np.full(len(centers), self.radius), box, domain.dimensions)
+        return ObstacleField.of_spheres(centers, np.full(len(centers), self.radius), box, domain.dimensions)
 
 
 class Square(Lattice):

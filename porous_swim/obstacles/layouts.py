@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from porous_swim.core.csv_table import read_columns
 from porous_swim.core.parts import LARGEST_RADIUS, LEAST_RADIUS, KeyedError, Length, Point, Radius, as_vector
 from porous_swim.core.registry import add
+from porous_swim.core.scales import told
 from porous_swim.obstacles.base import Layout
 from porous_swim.obstacles.disorder import Packing, Random
 from porous_swim.obstacles.domain import Domain
@@ -25,6 +26,7 @@ class NoObstacles(Layout):
     """Free space, or an empty periodic box."""
 
     OPEN = True
+    ROUND: ClassVar[bool] = False  # as of `Wall`
 
     layout: Literal["none"]
 
@@ -38,7 +40,7 @@ class NoObstacles(Layout):
 
     def place(self, domain: Domain, rng: np.random.Generator, folder: Path) -> ObstacleField:
         """Return a field without colloids."""
-        return ObstacleField(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
+        return ObstacleField.of_spheres(np.zeros((0, 3)), np.zeros(0), _optional_box(domain), domain.dimensions)
 
 
 class Single(Layout):
@@ -68,7 +70,7 @@ class Single(Layout):
             center[None, :],
             np.array([self.radius]),
             box=_optional_box(domain),
-            dimensions=domain.dimensions,
+            domain=domain,
             key="obstacles.position",
         )
 
@@ -140,8 +142,8 @@ class FromFile(Layout):
             optional=["z"] if flat else [],
         )
         centers = np.stack([columns["x"], columns["y"], columns["z"]], axis=1)
-        self._check_rows(centers, columns["radius"], flat=flat)
-        beads = Beads(self._factor * centers, self._factor * columns["radius"])
+        self._check_rows(centers, columns["radius"], domain)
+        beads = Beads(self._factor * centers, self._factor * columns["radius"], domain.scales)
         if self._unsaid:
             beads = beads.noted(
                 f"the numbers in {name} are read in half-lengths a, though the scene has units: say what they are by "
@@ -152,11 +154,11 @@ class FromFile(Layout):
         beads = compared_with_box(beads, box=box)
         beads = resolved(beads, self.overlaps, tolerance=self.tolerance, box=box, name=name)
         return checked_field(
-            beads.centers, beads.radii, box=box, dimensions=domain.dimensions, key="obstacles.path",
+            beads.centers, beads.radii, box=box, domain=domain, key="obstacles.path",
             tolerance=max(self.tolerance, TOUCH), notes=beads.notes,
         )  # fmt: skip
 
-    def _check_rows(self, centers: np.ndarray, radii: np.ndarray, *, flat: bool) -> None:
+    def _check_rows(self, centers: np.ndarray, radii: np.ndarray, domain: Domain) -> None:
         if len(radii) == 0:
             raise KeyedError("obstacles.path", f"{self.path}: expected at least one colloid below the header")
         if np.any(radii <= 0.0):
@@ -164,14 +166,14 @@ class FromFile(Layout):
             raise KeyedError(
                 "obstacles.path", f"{self.path}: colloid {i} must have a radius above 0, found {radii[i]:g}"
             )
-        beyond = (radii < LEAST_RADIUS) | (radii > LARGEST_RADIUS)
+        in_a = self._factor * radii
+        beyond = (in_a < LEAST_RADIUS) | (in_a > LARGEST_RADIUS)
         if np.any(beyond):
             i = int(np.argmax(beyond))
-            allowed = f"{LEAST_RADIUS:g} to {LARGEST_RADIUS:g}"
-            raise KeyedError(
-                "obstacles.path", f"{self.path}: colloid {i} must have a radius of {allowed}, found {radii[i]:g}"
-            )
-        if flat and np.any(centers[:, 2] != 0.0):
+            least, most, found = (told(x, "a", domain.scales) for x in (LEAST_RADIUS, LARGEST_RADIUS, float(in_a[i])))
+            message = f"{self.path}: colloid {i} must have a radius of {least} to {most}, found {found}"
+            raise KeyedError("obstacles.path", message)
+        if domain.dimensions == 2 and np.any(centers[:, 2] != 0.0):
             i = int(np.argmax(centers[:, 2] != 0.0))
             message = f"{self.path}: in two dimensions colloid {i} must have z = 0, found {centers[i, 2]:g}"
             raise KeyedError("obstacles.path", message)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from porous_swim.core.parts import KeyedError
+from porous_swim.core.scales import Scales, told
 from porous_swim.obstacles.nearest import NearestSphere, wrap
 
 Overlaps = Literal["error", "shrink", "drop"]
@@ -24,13 +25,17 @@ class Beads:
 
     centers: np.ndarray  # (n, 3)
     radii: np.ndarray  # (n,)
+    scales: Scales | None = None  # what a is in the laboratory
     notes: tuple[str, ...] = ()  # sentences
 
     def noted(self, note: str, *, centers: np.ndarray | None = None, radii: np.ndarray | None = None) -> Beads:
         """The same with other centres or radii, and a sentence more."""
-        return Beads(
-            self.centers if centers is None else centers, self.radii if radii is None else radii, (*self.notes, note)
-        )
+        centers, radii = self.centers if centers is None else centers, self.radii if radii is None else radii
+        return replace(self, centers=centers, radii=radii, notes=(*self.notes, note))
+
+    def told(self, length: float, digits: str = ".4g") -> str:
+        """A length in a message, in um as well where a is known."""
+        return told(length, "a", self.scales, digits=digits)
 
 
 def merged(beads: Beads, distance: float, *, box: np.ndarray) -> Beads:
@@ -50,7 +55,7 @@ def merged(beads: Beads, distance: float, *, box: np.ndarray) -> Beads:
     shift -= np.rint(shift / edge) * np.where(box > 0.0, box, 0.0)
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, shift[:, axis]) / size for axis in range(3)], axis=1)
-    note = f"{n:,} detections were merged into {n_groups:,} colloids (obstacles.merge {distance:.4g})"
+    note = f"{n:,} detections were merged into {n_groups:,} colloids (obstacles.merge {beads.told(distance)})"
     return beads.noted(note, centers=beads.centers[leader] + mean, radii=np.bincount(group, beads.radii) / size)
 
 
@@ -77,12 +82,12 @@ def resolved(beads: Beads, overlaps: Overlaps, *, tolerance: float, box: np.ndar
         kept = _kept(radii, first, second)
         dropped = f"{np.sum(~kept):,} of {len(radii):,} colloids"
         note = f"{dropped} were dropped, as they overlap larger or equal ones (obstacles.overlaps)"
-        return Beads(beads.centers[kept], radii[kept], (*beads.notes, note))
+        return beads.noted(note, centers=beads.centers[kept], radii=radii[kept])
     same = apart < _SAME_BEAD * np.minimum(radii[first], radii[second])
     if same.any():
-        raise KeyedError("obstacles.path", _duplicates(first[same], second[same], apart[same], radii, name))
+        raise KeyedError("obstacles.path", _duplicates(first[same], second[same], apart[same], beads, name))
     if overlaps == "error":
-        raise KeyedError("obstacles.path", _overlap(first, second, apart, share, radii, beads.centers))
+        raise KeyedError("obstacles.path", _overlap(first, second, apart, share, beads))
     factor = np.ones(len(radii))
     for one in (first, second):  # the sum of two radii is then at most the distance
         np.minimum.at(factor, one, 1.0 - share)
@@ -100,7 +105,8 @@ def compared_with_box(beads: Beads, *, box: np.ndarray) -> Beads:
         if edge <= 0.0:
             continue
         spread = (
-            f"the table has centres from {x.min():.6g} to {x.max():.6g} in {name}, and the box goes from 0 to {edge:g}"
+            f"the table has centres from {x.min():.6g} to {beads.told(x.max(), '.6g')} in {name}, and the box goes "
+            f"from 0 to {beads.told(edge, 'g')}"
         )
         outside = int(np.sum((x < 0.0) | (x > edge)))
         empty = edge - (x.max() - x.min()) - 2.0 * float(beads.radii.max())
@@ -109,7 +115,7 @@ def compared_with_box(beads: Beads, *, box: np.ndarray) -> Beads:
                 f"{outside:,} of {len(x):,} colloids lie outside of the box and are moved into it: {spread}"
             )
         elif len(x) >= _FEW and empty > _EMPTY * edge:
-            beads = beads.noted(f"a part of the box has no colloids, {empty:.4g} wide: {spread}")
+            beads = beads.noted(f"a part of the box has no colloids, {beads.told(empty)} wide: {spread}")
     return beads
 
 
@@ -144,30 +150,34 @@ def _kept(radii: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarra
     return kept
 
 
-def _duplicates(first: np.ndarray, second: np.ndarray, apart: np.ndarray, radii: np.ndarray, name: str) -> str:
+def _duplicates(first: np.ndarray, second: np.ndarray, apart: np.ndarray, beads: Beads, name: str) -> str:
     count = len(np.unique(second))
-    merge = 1.01 * float(apart.max()) or 0.01 * float(radii.min())
+    merge = 1.01 * float(apart.max()) or 0.01 * float(beads.radii.min())
     return (
         f"{name}: {count:,} duplicate{'s' * (count > 1)}: centres nearer than half a radius to those of earlier rows, "
-        f"such as rows {first[0] + 1} and {second[0] + 1} below the header, {apart[0]:.4g} a apart; give "
-        f"obstacles.merge, the distance below which detections are one, here more than {merge:.2g} a"
+        f"such as rows {first[0] + 1} and {second[0] + 1} below the header, {_in_a(apart[0], beads)} apart; give "
+        f"obstacles.merge, the distance below which detections are one, here more than {_in_a(merge, beads, '.2g')}"
     )
 
 
-def _overlap(
-    first: np.ndarray, second: np.ndarray, apart: np.ndarray, share: np.ndarray, radii: np.ndarray,
-    centers: np.ndarray,
-) -> str:  # fmt: skip
+def _overlap(first: np.ndarray, second: np.ndarray, apart: np.ndarray, share: np.ndarray, beads: Beads) -> str:
+    centers, radii = beads.centers, beads.radii
     worst = int(np.argmax(share))
     i, j = int(first[worst]), int(second[worst])
     through = " through the periodic boundary" if np.linalg.norm(centers[i] - centers[j]) > apart[worst] * 1.001 else ""
     pairs = "1 pair overlaps" if len(first) == 1 else f"{len(first):,} pairs overlap"
     return (
-        f"colloids {i} and {j} overlap by {radii[i] + radii[j] - apart[worst]:.6g}{through}: centres "
-        f"{apart[worst]:.6g} apart, radii {radii[i]:g} and {radii[j]:g}; {pairs}, by up to "
+        f"colloids {i} and {j} overlap by {beads.told(radii[i] + radii[j] - apart[worst], '.6g')}{through}: centres "
+        f"{beads.told(apart[worst], '.6g')} apart, radii {beads.told(radii[i], 'g')} and {beads.told(radii[j], 'g')}; "
+        f"{pairs}, by up to "
         f"{_percent(share.max())} of their summed radii: set obstacles.overlaps to shrink or drop, or raise "
         "obstacles.tolerance"
     )
+
+
+def _in_a(length: float, beads: Beads, digits: str = ".4g") -> str:
+    """A length that is to go into a scene or was found in a table of it: always with its unit."""
+    return beads.told(length, digits) if beads.scales else f"{length:{digits}} a"
 
 
 def _percent(share: float) -> str:

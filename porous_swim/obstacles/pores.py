@@ -18,7 +18,6 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.nearest import NearestSphere
 
 _MOST = {2: 4000, 3: 3000}  # colloids and images that are looked at
 _CORE = 0.5  # of the edges of what is looked at: where points are drawn
@@ -61,9 +60,9 @@ def closed_share(field: ObstacleField, clearance: float) -> float:
 
 def _narrow(field: ObstacleField, clearance: float) -> bool:
     """Whether any gap is too narrow for a centre to pass."""
-    if len(field.radii) == 0 or np.isinf(field.radii).any():
+    gaps = field.nearest_gaps()
+    if len(gaps) == 0:
         return False
-    _, gaps = NearestSphere(field.centers, field.radii, field.box).nearest_other()
     own = field.box[field.box > 0.0].min(initial=np.inf) - 2.0 * field.radii.max()  # to its own image
     return bool(min(gaps.min(), own) < 2.0 * clearance * (1.0 - 1e-9))
 

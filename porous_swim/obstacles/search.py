@@ -18,7 +18,7 @@ class Medium(NamedTuple):
     """The colloids as kernel arguments; see `cells.CellIndex`."""
 
     center: Any  # (n_colloids, 3) i64, fixed point
-    radius: Any  # (n_colloids,) real; 0 for a wall
+    radius: Any  # (n_colloids,) real, distance at the surface: `ObstacleField.at_surface`
     first: Any  # (n_cells + 1,) i32
     candidate: Any  # (n_candidates, 2) i32: colloid, packed image
     least: Any  # (n_candidates,) real, a; no point of the cell is nearer to the surface of the candidate

@@ -29,7 +29,7 @@ class Trajectories:
     position: np.ndarray  # (n_frames, n_swimmers, 3) a, unwrapped
     state: np.ndarray  # (n_frames, n_swimmers) 0 free, 1 bound, 2 contact
     dimensions: int
-    wall_normal: np.ndarray | None = None  # (3,) where the one colloid is a plane wall: its centre is a point of that
+    flat_normal: np.ndarray | None = None  # (3,) where the one colloid is flat: its centre is a point of the plane
 
 
 def draw(shown: list[Shown[Trajectories]], scales: Scales | None) -> Figure:
@@ -56,8 +56,8 @@ def _panel(axis: Any, trajectories: Trajectories, plane: tuple[int, int]) -> Non
     centers, radii = trajectories.centers[:, plane], trajectories.radii
     if np.all(np.isfinite(radii)):
         centers, radii = images_in(centers, radii, box=box, low=low, high=high)
-    if trajectories.wall_normal is not None:
-        _wall(axis, centers[0], trajectories.wall_normal[list(plane)])
+    if trajectories.flat_normal is not None:
+        _flat(axis, centers[0], trajectories.flat_normal[list(plane)])
     elif len(radii) <= _MOST_DISCS:
         colloid_discs(axis, centers, radii, alpha=1.0 if trajectories.dimensions == 2 else _BEHIND)
     segments = np.stack([position[:-1], position[1:]], axis=2).reshape(-1, 2, 2)
@@ -68,8 +68,8 @@ def _panel(axis: Any, trajectories: Trajectories, plane: tuple[int, int]) -> Non
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
-def _wall(axis: Any, point: np.ndarray, normal: np.ndarray) -> None:
-    """The line in which a wall is seen, where it is seen from its edge."""
+def _flat(axis: Any, point: np.ndarray, normal: np.ndarray) -> None:
+    """The line in which a plane is seen, where it is seen from its edge."""
     if np.hypot(*normal) > 1.0 - 1e-6:
         axis.axline(point, point + np.array([-normal[1], normal[0]]), color="0.45", linewidth=3.0, zorder=1.0)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from porous_swim.analysis import Map, cell_density, height_pitch_density, histogram_2d
 from porous_swim.analysis.columns import column, vectors
-from porous_swim.analysis.places import centers_of, radii_of
+from porous_swim.analysis.places import centers_of, own_name, radii_of
 from porous_swim.plots import cell, height_pitch
 from porous_swim.plots.colloids import images_in
 from porous_swim.plots.style import Shown
@@ -37,8 +37,9 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
         escape = None if run.scene is None else run.scene.encounter.escape_height
         top = HEIGHTS if escape is None else max(HEIGHTS, 2.0 * escape)
         heights = np.linspace(0.0, top, N_HEIGHTS + 1)
-        if run.at_wall and run.wall_normal is None:
-            missing.append(run.says("How the wall stands is not known, so heights above it are neither."))
+        if not run.all_round and run.flat_normal is None:
+            name = own_name(results.colloids)
+            missing.append(run.says(f"How {name} stands is not known, so neither are heights above it."))
             continue
         found = _height_pitch(run, heights)
         shown.append(run.shows(height_pitch.HeightPitch(found, escape)))
@@ -55,8 +56,8 @@ def height_pitch_section(runs: Sequence[Run]) -> Section:
 
 
 def _height_pitch(run: Run, heights: np.ndarray) -> Map:
-    """The density above the nearest colloid, or above the wall."""
-    results, normal = run.results, run.wall_normal
+    """The density above the nearest colloid, or above the one that is flat."""
+    results, normal = run.results, run.flat_normal
     if normal is None:
         return height_pitch_density(results.trajectory, results.colloids, heights=heights)
     seen = steady_frames(results.trajectory)

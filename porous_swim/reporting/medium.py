@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis.columns import column, vectors
-from porous_swim.analysis.places import centers_of, radii_of
+from porous_swim.analysis.places import centers_of, own_name, radii_of
 from porous_swim.analysis.transport.transport import tracks
 from porous_swim.plots import trajectories
 from porous_swim.plots.style import Shown
@@ -55,7 +55,7 @@ def _trajectories(run: Run) -> trajectories.Trajectories:
     state = column(few, "state")[order].reshape(len(recorded.time), len(recorded.swimmer))
     return trajectories.Trajectories(
         centers_of(results.colloids), radii_of(results.colloids), results.info.box, recorded.position, state,
-        results.info.dimensions, run.wall_normal,
+        results.info.dimensions, run.flat_normal,
     )  # fmt: skip
 
 
@@ -79,10 +79,8 @@ def _facts(run: Run) -> dict[str, str]:
             "translational diffusion D": both(scene.translational_diffusion, "a U", scales),
             "rotational diffusion D_r": both(scene.rotational_diffusion, "U/a", scales),
         }
-    facts["colloids"] = f"{len(radii):,}"
-    if run.at_wall:
-        facts["colloids"] = "a plane wall"
-    elif len(radii):
+    facts["colloids"] = own_name(run.results.colloids) or f"{len(radii):,}"
+    if len(radii) and run.all_round:
         least, largest = float(radii.min()), float(radii.max())
         several = f" to {both(largest, 'a', scales)}" if largest > least else ""
         facts["radius of colloids"] = both(least, "a", scales) + several

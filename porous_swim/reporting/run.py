@@ -12,10 +12,8 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.analysis import hop_table
-from porous_swim.analysis.places import at_wall
+from porous_swim.analysis.places import all_round
 from porous_swim.core.errors import SceneError
-from porous_swim.core.parts import unit_vector
-from porous_swim.obstacles.wall import Wall
 from porous_swim.plots.scales import Scales, common
 from porous_swim.plots.style import RUN_COLORS, Data, Shown, named
 from porous_swim.results.encounter_table import MANY
@@ -47,16 +45,17 @@ class Run:
         return Scales.of(self.results.info.units)
 
     @property
-    def at_wall(self) -> bool:
-        """Whether the one obstacle is a plane wall, whose radius is infinite in the table of colloids."""
-        return at_wall(self.results.colloids)
+    def all_round(self) -> bool:
+        """Whether swimmers can go round every colloid."""
+        return all_round(self.results.colloids)
 
     @cached_property
-    def wall_normal(self) -> np.ndarray | None:
-        """Unit vector (3,) from the wall into the fluid; None without a wall, or where its scene is not known."""
-        if self.scene is None or not isinstance(self.scene.obstacles, Wall):
+    def flat_normal(self) -> np.ndarray | None:
+        """Unit normal (3,) of the one colloid where it is flat; None where all are round, or its scene is not known."""
+        if self.scene is None or self.all_round:
             return None
-        return unit_vector(self.scene.obstacles.normal, key="obstacles.normal", dimensions=self.results.info.dimensions)
+        _, normals = self.scene.place_obstacles().above(0, np.zeros((1, 3)), 0.0)
+        return np.asarray(normals[0])
 
     @property
     def one_in(self) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 
 from porous_swim.analysis import Orbits, orbits
 from porous_swim.analysis.columns import column
+from porous_swim.analysis.places import own_name
 from porous_swim.plots import winding
 from porous_swim.plots.style import Shown
 from porous_swim.reporting.numbers import value_and_error
@@ -21,8 +22,8 @@ def section(runs: Sequence[Run]) -> Section:
     """Distributions over completed encounters, in common bins."""
     completed, missing = [], []
     for run in runs:
-        if run.at_wall:
-            missing.append(run.says("Nobody winds around a plane wall."))
+        if not run.all_round:
+            missing.append(run.says(f"Nobody winds around {own_name(run.results.colloids)}."))
         elif _turns(run).size == 0:
             n = len(run.encounters)
             missing.append(run.says(f"No encounter was completed ({n} under way): windings are not known."))

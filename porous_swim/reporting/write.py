@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from porous_swim.analysis.places import own_name
 from porous_swim.core.errors import ResultsError
 from porous_swim.core.paths import absolute
 from porous_swim.reporting import (
@@ -121,8 +122,8 @@ def _lead(runs: Sequence[Run]) -> str:
 
 def _what(run: Run) -> str:
     info, status = run.results.info, run.results.summary.get("status", "status not known")
-    swimmers, colloids = counted(info.n_swimmers, "swimmer"), counted(len(run.results.colloids), "colloid")
-    colloids = "a plane wall" if run.at_wall else colloids
+    swimmers = counted(info.n_swimmers, "swimmer")
+    colloids = own_name(run.results.colloids) or counted(len(run.results.colloids), "colloid")
     parts = [swimmers, colloids, both(info.duration, "a/U", run.scales), status]
     if run.one_in > 1:
         n = len(run.results.stored)

@@ -29,7 +29,7 @@ class Limits:
     n_colloids: int
     first_time: float
     last_time: float
-    wall: bool
+    flat: bool  # whether the one colloid is, of infinite radius
     box: tuple[float, float, float]
 
     @classmethod
@@ -40,8 +40,8 @@ class Limits:
             row = int(np.argmax(number != np.arange(len(number))))
             raise _wrong(path, "colloid", row, number[row], f"{row}: colloids are counted from 0")
         radius = colloids.column("radius").to_numpy()
-        wall = len(radius) == 1 and bool(np.isinf(radius[0]))
-        return cls(info.n_swimmers, len(number), info.first_time, info.last_time, wall, info.box)
+        flat = len(radius) == 1 and bool(np.isinf(radius[0]))
+        return cls(info.n_swimmers, len(number), info.first_time, info.last_time, flat, info.box)
 
     @property
     def slack(self) -> float:
@@ -57,7 +57,7 @@ class Limits:
         if column == "lag":
             return math.ulp(0.0), self.of_kind(Kind.DURATION)[1]
         if column == "radius":
-            return math.ulp(0.0), math.inf if self.wall else _LARGEST_RADIUS
+            return math.ulp(0.0), math.inf if self.flat else _LARGEST_RADIUS
         whole = {"group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers), "state": (0, 2)}
         if column in whole:
             return whole[column]

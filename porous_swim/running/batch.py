@@ -105,7 +105,7 @@ def _archipelago(scenes: Sequence[Scene], fields: Sequence[ObstacleField]) -> tu
     centers = np.zeros((len(radii), 3))
     centers[:, :d] = places
     shifts = [centers[radii.index(float(field.radii[0]))] - field.centers[0] for field in fields]
-    return ObstacleField(centers, np.array(radii), np.zeros(3), d), shifts
+    return ObstacleField.of_spheres(centers, np.array(radii), np.zeros(3), d), shifts
 
 
 def _frames(engine: Engine, scene: Scene) -> list[tuple[float, np.ndarray, np.ndarray]]:

@@ -44,7 +44,7 @@ class Seconds:
 
 def compiling_seconds(scene: Scene) -> float:
     """Of a kernel that is not in the cache yet."""
-    pairs = scene.swimmers.aspect_ratio < 1.0 and scene.obstacles.layout not in ("none", "wall")
+    pairs = scene.swimmers.aspect_ratio < 1.0 and scene.obstacles.ROUND
     return _COMPILING_PAIRS if pairs and scene.integrator != "located" else _COMPILING
 
 

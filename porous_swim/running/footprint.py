@@ -57,8 +57,8 @@ def bytes_per_swimmer(scene: Scene) -> tuple[int, int]:
     """On the device, of its state and of its origins in time of displacements."""
     d, real = scene.domain.dimensions, _REAL[scene.precision]
     located = scene.integrator == "located"
-    spheres = scene.obstacles.layout not in ("none", "wall")  # whatever their radii: they are not placed yet
-    mates = has_mates(shape_of(scene.swimmers.aspect_ratio, 1.0 if spheres else math.inf), scene.integrator)
+    is_round = scene.obstacles.ROUND  # whatever their radii: they are not placed yet
+    mates = has_mates(shape_of(scene.swimmers.aspect_ratio, 1.0 if is_round else math.inf), scene.integrator)
     rows = real_rows(d, located=located).n_memory, n_ints(located=located, mates=mates, n_sets=1)
     origins = n_levels(scene.n_frames, burn_in=scene.burn_in_frames) * (3 * d * real + 4 * 4)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8, origins

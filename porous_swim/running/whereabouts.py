@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from porous_swim.engine.kernel.budget import PAIRED_WITHIN
-from porous_swim.obstacles.field import ObstacleField, bulk
+from porous_swim.obstacles.field import ObstacleField
 from porous_swim.running.dynamics import lowest_flight
 from porous_swim.scene.scene import Scene
 
@@ -31,7 +31,7 @@ def far_share(scene: Scene, field: ObstacleField) -> float:
 def pair_share(scene: Scene, field: ObstacleField) -> float:
     """The share of time in which a rod is so near two colloids that both have to be looked at."""
     gamma, d = scene.swimmers.aspect_ratio, field.dimensions
-    if gamma == 1.0 or len(field.radii) == 0 or not np.all(np.isfinite(field.radii)):
+    if gamma == 1.0 or len(field.radii) == 0 or not field.is_round:
         return 0.0
     rng = np.random.default_rng(0)
     surface = field.radii ** (d - 1)
@@ -42,7 +42,7 @@ def pair_share(scene: Scene, field: ObstacleField) -> float:
     points = field.centers[colloid] + (field.radii[colloid] + gamma)[:, None] * direction
     reach = 1.0 + scene.encounter.contact_band + PAIRED_WITHIN
     point, near, offset = field.near(points, reach)
-    height = np.linalg.norm(offset, axis=1) - field.radii[near]
+    height, _ = field.stance(offset, direction[point], near)
     inside = np.bincount(point[height < gamma - 1e-6], minlength=_POINTS) > 0
     paired = np.bincount(point, minlength=_POINTS) > 1
     return float(np.mean(paired[~inside])) * _bound_share(field) if np.any(~inside) else 1.0
@@ -53,6 +53,6 @@ def _bound_share(field: ObstacleField) -> float:
     if not field.periodic:
         return 0.5
     d = field.dimensions
-    room = max(0.0, float(np.prod(field.box[:d]) - bulk(field.radii, d).sum()))
+    room = max(0.0, float(np.prod(field.box[:d]) - field.bulk))
     surface = np.sum(2.0 * np.pi * field.radii) / np.pi if d == 2 else np.sum(4.0 * np.pi * field.radii**2) / 4.0
     return float(_STAY / (_STAY + room / surface))

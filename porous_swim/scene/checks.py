@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from porous_swim.core.parts import KeyedError, SeveralKeyedError
+from porous_swim.core.scales import told
 from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.physics.noise import Brownian
 from porous_swim.scene.model import SceneModel
@@ -33,34 +34,41 @@ def disagreements(scene: SceneModel, *, whole: bool = True) -> list[KeyedError]:
     return found
 
 
+def _told(time: float, scene: SceneModel, digits: str = "g") -> str:
+    return told(time, "a/U", scene.scales, digits=digits)
+
+
 def _whole_run(scene: SceneModel) -> None:
-    _check_whole_steps("run.duration", scene.run.duration, scene.run.time_step)
+    _check_whole_steps("run.duration", scene.run.duration, scene)
 
 
 def _whole_record(scene: SceneModel) -> None:
     every, run = scene.record.every, scene.run
     if every is None:
         return
-    _check_whole_steps("record.every", every, run.time_step)
+    _check_whole_steps("record.every", every, scene)
     if round(every / run.time_step) > round(run.duration / run.time_step):
-        raise KeyedError("record.every", f"expected at most run.duration ({run.duration:g}), found {every:g}")
+        most, found = _told(run.duration, scene), _told(every, scene)
+        raise KeyedError("record.every", f"expected at most run.duration ({most}), found {found}")
 
 
 def _burn_in(scene: SceneModel) -> None:
     burn_in, run = scene.record.burn_in, scene.run
     if burn_in >= run.duration:
-        raise KeyedError("record.burn_in", f"expected less than run.duration ({run.duration:g}), found {burn_in:g}")
+        most, found = _told(run.duration, scene), _told(burn_in, scene)
+        raise KeyedError("record.burn_in", f"expected less than run.duration ({most}), found {found}")
     if burn_in > 0.0:
-        _check_whole_steps("record.burn_in", burn_in, run.time_step)
+        _check_whole_steps("record.burn_in", burn_in, scene)
 
 
-def _check_whole_steps(key: str, time: float, time_step: float) -> None:
+def _check_whole_steps(key: str, time: float, scene: SceneModel) -> None:
     """Raise a `KeyedError` for `key` unless `time` is a whole number of steps, within 1e-6 of a step."""
+    time_step = scene.run.time_step
     steps = time / time_step
     nearest = max(1, round(steps))
     if abs(steps - nearest) > 1e-6:
-        message = f"{time:.12g} is not a whole number of steps of {time_step:g}"
-        raise KeyedError(key, f"{message}: the nearest is {nearest * time_step:.12g}")
+        message = f"{_told(time, scene, '.12g')} is not a whole number of steps of {_told(time_step, scene)}"
+        raise KeyedError(key, f"{message}: the nearest is {_told(nearest * time_step, scene, '.12g')}")
 
 
 def _step_can_be_added(scene: SceneModel) -> None:
@@ -73,8 +81,8 @@ def _step_can_be_added(scene: SceneModel) -> None:
         remedy = "; or set run.precision: f64" if scene.precision == "f32" else ""
         raise KeyedError(
             "run.time_step",
-            f"expected at least {least:.2g} in {scene.precision}, in which shorter steps turn a swimmer by less than "
-            f"rounding does, found {step:g}{remedy}",
+            f"expected at least {_told(least, scene, '.2g')} in {scene.precision}, in which shorter steps turn a "
+            f"swimmer by less than rounding does, found {_told(step, scene)}{remedy}",
         )
 
 
@@ -87,16 +95,17 @@ def _flights(scene: SceneModel) -> None:
     if scene.integrator != "reflected":
         raise KeyedError(key, f"flights are for the integrator reflected, which has noise: found {scene.integrator}")
     if length * D_r > _MOST_TURN:
-        most = _MOST_TURN / D_r
-        raise KeyedError(key, f"expected at most {most:.3g}, in which a swimmer turns little, found {length:g}")
-    _check_whole_steps(key, length, run.time_step)
+        most, found = _told(_MOST_TURN / D_r, scene, ".3g"), _told(length, scene)
+        raise KeyedError(key, f"expected at most {most}, in which a swimmer turns little, found {found}")
+    _check_whole_steps(key, length, scene)
     longest = LONGEST_LAUNCH.get(run.device, LONGEST_LAUNCH["cpu"])
     if round(length / run.time_step) > longest:
-        most = longest * run.time_step
-        raise KeyedError(key, f"expected at most {most:g}, {longest:,} steps of {run.time_step:g}, found {length:g}")
+        most, step, found = (_told(time, scene) for time in (longest * run.time_step, run.time_step, length))
+        raise KeyedError(key, f"expected at most {most}, {longest:,} steps of {step}, found {found}")
     for other, time in (("run.duration", run.duration), ("record.every", scene.record.every)):
         if time is not None and abs(time / length - max(1, round(time / length))) > 1e-6:
-            raise KeyedError(key, f"expected a whole part of {other} ({time:g}), found {length:g}")
+            whole, found = _told(time, scene), _told(length, scene)
+            raise KeyedError(key, f"expected a whole part of {other} ({whole}), found {found}")
 
 
 def _obstacles(scene: SceneModel) -> None:

@@ -24,6 +24,8 @@ KeyPath = tuple[str | int, ...]
 Mark = tuple[int, int]  # line and column, from 1
 UNREAD: Any = object()  # in place of a value that could not be read
 _MOST_LINES = 10  # of one error
+_MOST_SHOWN = 60  # letters of a value in a message
+_LOOKED_AT = 20  # lines, by which a table is known
 _MOST_BYTES = 1_000_000  # of a scene: lists of ten thousand radii take a tenth of it
 
 
@@ -106,14 +108,15 @@ def _parsed(text: str, *, file: str) -> Document:
         line, column = _position(text, error.position)
         raise SceneError(f"{file}:{line}:{column}: the character {error.character!r} is not allowed") from None
     except yaml.MarkedYAMLError as error:
-        raise SceneError(_syntax_error(error, text, file)) from None
+        table = _table_sentence(text)
+        raise SceneError(f"{file}: {table}" if table else _syntax_error(error, text, file)) from None
     except RecursionError:
         raise SceneError(f"{file}:1:1: the nesting is too deep to read") from None
     document = Document({}, file)
     if node is None or (isinstance(node, ScalarNode) and node.value == ""):
         raise document.error((), "the file is empty; a scene is a map of keys")
     if not isinstance(node, MappingNode):
-        raise document.error((), f"a scene is a map of keys, found {_kind(node)}")
+        raise document.error((), _table_sentence(text) or f"a scene is a map of keys, found {_kind(node)}")
     document.data.update(_convert(node, (), document))
     return document
 
@@ -207,7 +210,22 @@ def _syntax_error(error: yaml.MarkedYAMLError, text: str, file: str) -> str:
 def _kind(node: Node) -> str:
     if isinstance(node, SequenceNode):
         return "a list"
-    return "a map" if isinstance(node, MappingNode) else f"the single value {node.value!r}"
+    if isinstance(node, MappingNode):
+        return "a map"
+    return f"the single value {node.value!r}" if len(node.value) <= _MOST_SHOWN else "one long text"
+
+
+def _table_sentence(text: str) -> str | None:
+    """What to do with a table given in place of a scene: lines of as many cells each, by commas, semicolons or tabs."""
+    lines = [line for line in text.splitlines()[:_LOOKED_AT] if line.strip()]
+    for separator in ",;\t":
+        cells = {line.count(separator) for line in lines}
+        if len(lines) > 1 and len(cells) == 1 and cells != {0} and not any(": " in line for line in lines):
+            return (
+                "this is a table, and check and run take a scene: name the table there as obstacles.path (with layout: "
+                "file) where it holds colloids, or as swimmers.release.path (with kind: file) where it holds swimmers"
+            )
+    return None
 
 
 def _mark(node: Node) -> Mark:

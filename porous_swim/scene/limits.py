@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 
 from porous_swim.core.parts import KeyedError
+from porous_swim.core.scales import told
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.scene.model import SceneModel
 
@@ -24,15 +25,16 @@ def check_limits(scene: SceneModel, field: ObstacleField) -> None:
 
 
 def _check_precision(scene: SceneModel, field: ObstacleField) -> None:
-    """Heights are differences of distances as large as the colloid; that above a plane wall is a number itself."""
-    largest = float(field.radii.max(initial=0.0, where=np.isfinite(field.radii)))
+    """Heights are differences of distances as large as `at_surface`."""
+    largest = float(field.at_surface.max(initial=0.0))
     most = _COARSEST * scene.swimmers.aspect_ratio * 2.0 ** _DIGITS[scene.precision]
     if largest > most:
         remedy = "set it to f64, or put a plane wall" if scene.precision == "f32" else "put a plane wall"
+        radius, allowed = told(largest, "a", scene.scales, digits=".4g"), told(most, "a", scene.scales, digits=".3g")
         raise KeyedError(
             "run.precision",
-            f"{scene.precision} has too few digits for heights above a colloid of radius {largest:.4g}: expected at "
-            f"most {most:.3g} for swimmers of aspect ratio {scene.swimmers.aspect_ratio:g}; {remedy} in its place",
+            f"{scene.precision} has too few digits for heights above a colloid of radius {radius}: expected at most "
+            f"{allowed} for swimmers of aspect ratio {scene.swimmers.aspect_ratio:g}; {remedy} in its place",
         )
 
 
@@ -42,10 +44,11 @@ def _check_flow(scene: SceneModel, field: ObstacleField) -> None:
     alpha, dt = scene.swimmers.dipole_strength, scene.run.time_step
     change = abs(alpha) * _slope_at_contact(scene.swimmers.aspect_ratio, float(field.radii.max())) * dt
     if change > _MOST_CHANGE:
+        step, most = told(dt, "a/U", scene.scales), told(dt / change, "a/U", scene.scales, digits=".2g")
         raise KeyedError(
             "run.time_step",
-            f"{dt:g} is too long for dipole_strength {alpha:.4g}, whose flow on a swimmer in contact changes at a "
-            f"rate of {change / dt:.3g} U/a: expected at most {dt / change:.2g}, or with this step a dipole_strength "
+            f"{step} is too long for dipole_strength {alpha:.4g}, whose flow on a swimmer in contact changes at a "
+            f"rate of {change / dt:.3g} U/a: expected at most {most}, or with this step a dipole_strength "
             f"of at most {abs(alpha) / change:.3g} in size",
         )
 
@@ -63,8 +66,12 @@ def _check_noise(scene: SceneModel, field: ObstacleField) -> None:
     D, dt = scene.translational_diffusion, scene.run.time_step
     kick = sqrt(2.0 * D * dt)
     if kick > _LONGEST_KICK and len(field.radii):
+        step, most = (
+            told(dt, "a/U", scene.scales),
+            told(_LONGEST_KICK**2 / (2.0 * D), "a/U", scene.scales, digits=".2g"),
+        )
         raise KeyedError(
             "run.time_step",
-            f"{dt:g} is too long for D = {D:.4g}, whose noise moves a swimmer by {kick:.3g} a in a step, through what "
-            f"stands in between: expected at most {_LONGEST_KICK**2 / (2.0 * D):.2g}",
+            f"{step} is too long for D = {D:.4g}, whose noise moves a swimmer by {kick:.3g} a in a step, through what "
+            f"stands in between: expected at most {most}",
         )

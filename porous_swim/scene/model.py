@@ -9,6 +9,7 @@ from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_valida
 
 from porous_swim.core.numbers import Given
 from porous_swim.core.parts import Part
+from porous_swim.core.scales import Scales
 from porous_swim.obstacles.domain import Domain
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.encounter import Encounter
@@ -158,6 +159,12 @@ class SceneModel(Part):
     def unit_system(self) -> UnitSystem | None:
         """The laboratory values of a and U; None where the scene has no units."""
         return UnitSystem.of(self.units) if self.units is not None else None
+
+    @property
+    def scales(self) -> Scales | None:
+        """What a and a/U are there, for messages; None also where the units are wrong."""
+        domain = getattr(self, "domain", None)  # a scene that is wrong in part may lack it
+        return None if domain is None else domain.scales
 
     @model_validator(mode="before")
     @classmethod

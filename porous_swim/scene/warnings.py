@@ -8,8 +8,6 @@ from math import sqrt
 import numpy as np
 
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.narrow_gaps import narrow_gaps
-from porous_swim.obstacles.nearest import NearestSphere
 from porous_swim.obstacles.pores import closed_share
 from porous_swim.scene.model import SceneModel
 
@@ -86,7 +84,7 @@ def _flow(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
 
 def _rounding(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     # Measured relative error of the drift near contact in single precision: 4e-6, 4e-5, 5e-4 at A = 20, 200, 2000.
-    largest = float(field.radii.max(initial=0.0, where=np.isfinite(field.radii)))  # the height above a wall is exact
+    largest = float(field.at_surface.max(initial=0.0))
     if scene.precision == "f32" and largest > _LARGE_RADIUS:
         yield (
             f"f32 is coarse for a colloid of radius {largest:.4g}: heights are rounded to {largest * 2.0**-24:.1g}, "
@@ -95,9 +93,9 @@ def _rounding(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
 
 
 def _mid_planes(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
-    if scene.hydrodynamics.kind == "none" or len(field.radii) < 2:
+    gaps = field.nearest_gaps()
+    if scene.hydrodynamics.kind == "none" or len(gaps) < 2:
         return
-    _, gaps = NearestSphere(field.centers, field.radii, field.box).nearest_other()
     # The image flow of a wall, halfway in the commonest gap but no nearer than a sphere can come.
     height = max(float(np.median(gaps)) / 2.0, 1.0)
     jump = 3.0 * abs(scene.swimmers.dipole_strength) / (8.0 * height**2)
@@ -135,7 +133,7 @@ def _pores(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
 def _narrow_gaps(scene: SceneModel, field: ObstacleField) -> Iterator[str]:
     """A swimmer passes where surfaces are as far apart as it is thick, a rod that points along the gap."""
     gamma = scene.swimmers.aspect_ratio
-    gaps = narrow_gaps(field, 2.0 * gamma)
+    gaps = field.narrow_gaps(2.0 * gamma)
     if len(gaps):
         how = "are 2 thick" if gamma == 1.0 else f"are {2.0 * gamma:.3g} thick at least, whichever way they point"
         number = "1 gap between colloids is" if len(gaps) == 1 else f"{len(gaps):,} gaps between colloids are"

@@ -47,7 +47,11 @@ class Uniform(Release):
     def check(self, domain: Domain) -> None:
         """Raise a `KeyedError` where there is no box to fill."""
         if not domain.periodic:
-            raise KeyedError(_KEY, "a uniform release needs a periodic box: expected point, beam, parallel or file")
+            raise KeyedError(
+                _KEY,
+                "a uniform release fills a periodic box, and domain.boundary is open: expected domain.boundary: "
+                "periodic, or here point, beam, parallel or file",
+            )
 
     def place(
         self,

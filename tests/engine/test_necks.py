@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import porous_swim as ps
-from porous_swim.obstacles.narrow_gaps import narrow_gaps
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
 from tests.support.engines import field_of, fingerprint, make_engine, packed, released
 
@@ -170,15 +169,15 @@ def test_rods_in_a_cage_turn_freely_and_are_counted(tmp_path):
 def test_narrow_gaps_are_counted_once_each():
     # in the periodic box the second and the third are neighbours over the edge, too
     field = field_of([[0, 0, 0], [10.5, 0, 0], [20.2, 0, 0]], [5.0, 5.0, 4.0], (30.0, 40.0, 0.0), 2)
-    assert narrow_gaps(field, 2.0) == pytest.approx([0.5, 0.7, 0.8])
-    assert narrow_gaps(field, 0.6) == pytest.approx([0.5])
+    assert field.narrow_gaps(2.0) == pytest.approx([0.5, 0.7, 0.8])
+    assert field.narrow_gaps(0.6) == pytest.approx([0.5])
     rng = np.random.default_rng(3)
     radii, centers = rng.uniform(0.3, 6.0, 60), rng.uniform(0, 60, (60, 3))
     box = np.full(3, 60.0)
     delta = centers[:, None] - centers
     distance = np.linalg.norm(delta - np.rint(delta / box) * box, axis=2) - radii - radii[:, None]
     brute = np.sort(np.maximum(distance[np.triu_indices(60, 1)], 0.0))
-    assert narrow_gaps(field_of(centers, radii, box), 1.5) == pytest.approx(brute[brute < 1.5])
+    assert field_of(centers, radii, box).narrow_gaps(1.5) == pytest.approx(brute[brute < 1.5])
 
 
 def test_a_scene_says_how_many_gaps_its_swimmers_cannot_pass(tmp_path):

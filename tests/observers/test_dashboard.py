@@ -16,10 +16,10 @@ import porous_swim as ps
 from porous_swim.core.stopwatch import Stopwatch
 from porous_swim.observers.rerun import network
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
 from porous_swim.results.run_folder import RunFolder
 from porous_swim.running.observation import Observers
 from tests.support.commands import SMALL
+from tests.support.engines import plane_wall
 from tests.support.frames import cubic_lattice, free_space, hexagonal_crystal, single_colloid, walk
 
 # a box so small that swimmers hop across its border; weaker dipoles than a crystal's leave sooner
@@ -203,13 +203,13 @@ PAGES = ["Medium and swimmers", "One swimmer", "Hop network", "Distributions", "
         (hexagonal_crystal(), [], [PAGES[0], *PAGES[2:]]),
         (cubic_lattice(cells=2), [2], PAGES),
         (single_colloid(radius=5.0), [2], [*PAGES[:2], *PAGES[3:]]),
-        (ObstacleField(np.full((1, 3), 8.0), np.array([4.0]), np.full(3, 16.0), 3), [2], PAGES),
-        (WallField.through(np.zeros(3), np.array([0.0, 0.0, 1.0]), 3), [2], [*PAGES[:2], PAGES[4]]),
+        (ObstacleField.of_spheres(np.full((1, 3), 8.0), np.array([4.0]), np.full(3, 16.0), 3), [2], PAGES),
+        (plane_wall([0, 0, 0], [0, 0, 1]), [2], [*PAGES[:2], PAGES[4]]),
         (free_space(), [2], [PAGES[0], PAGES[4]]),
     ],
 )
 def test_pages_without_content_are_left_out(tmp_path: Path, field: ObstacleField, trails: list[int], pages: list[str]):
-    walked = free_space() if isinstance(field, WallField) else field
+    walked = free_space() if not field.is_round else field
     observer = recording(tmp_path / "r.rrd", field, trails=np.array(trails, dtype=int))
     for frame in walk(walked, n_swimmers=30, n_frames=60, period=PERIOD):
         observer.observe(frame)

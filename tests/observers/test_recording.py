@@ -19,7 +19,8 @@ from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.rerun import colloids
 from porous_swim.observers.rerun.recording import LARGE_RECORDING, Recording, recording_size, recording_warning
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
+from porous_swim.obstacles.wall import THICKNESS
+from tests.support.engines import plane_wall
 from tests.support.frames import cubic_lattice, free_space, hexagonal_crystal, single_colloid, walk
 
 SWIMMERS, TRAILS = np.arange(1, 25), np.array([2, 7, 11])
@@ -256,7 +257,7 @@ def test_a_wall_is_a_slab_whose_upper_face_is_its_plane_below_the_swimmers(tmp_p
     frames = list(
         walk(free_space(dimensions=dimensions), n_swimmers=30, n_frames=3, period=PERIOD, time_step=TIME_STEP)
     )
-    observer = recording(tmp_path / "r.rrd", WallField.through(point, np.array(normal), dimensions))
+    observer = recording(tmp_path / "r.rrd", plane_wall(point, normal, dimensions))
     for frame in frames:
         observer.observe(frame)
     observer.finish(interrupted=False)
@@ -270,7 +271,7 @@ def test_a_wall_is_a_slab_whose_upper_face_is_its_plane_below_the_swimmers(tmp_p
     above = (corners - point) @ normal
     # single precision of coordinates up to 128
     assert above.max() == pytest.approx(0.0, abs=1e-5)
-    assert above.min() == pytest.approx(-colloids.WALL_THICKNESS, abs=1e-5)
+    assert above.min() == pytest.approx(-THICKNESS, abs=1e-5)
     seen = turn.inv().apply(frames[-1].position[SWIMMERS] - center)
     wide = [0, 1] if dimensions == 3 else [0]
     assert np.all(np.abs(seen[:, wide]) < half_size[wide])

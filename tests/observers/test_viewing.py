@@ -18,7 +18,7 @@ from porous_swim.observers.rerun import bodies
 from porous_swim.observers.rerun.above import round_below
 from porous_swim.observers.rerun.palette import BAR_COLOR, GROUND, STATE_COLORS
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
+from tests.support.engines import plane_wall
 from tests.support.frames import cubic_lattice, free_space, hexagonal_crystal, single_colloid, walk
 from tools.web_screenshot import chromium, web_viewer
 
@@ -27,7 +27,7 @@ UNITS = 2.0, 0.5  # um in a, s in a/U
 
 def written(path: Path, field: ObstacleField, **options: object) -> list:
     """Record a walk in `field` with `options`; return its frames."""
-    walked = free_space() if isinstance(field, WallField) else field
+    walked = free_space() if not field.is_round else field
     frames = list(walk(walked, n_swimmers=30, n_frames=N_FRAMES, period=PERIOD, time_step=TIME_STEP))
     observer = recording(path, field, **options)
     for frame in frames:
@@ -150,7 +150,7 @@ def test_a_plane_is_seen_from_above_with_a_scale_bar(tmp_path: Path, field: Obst
 
 def test_space_is_seen_from_a_corner(tmp_path: Path):
     written(tmp_path / "r.rrd", cubic_lattice(cells=2))
-    written(tmp_path / "w.rrd", WallField.through(np.zeros(3), np.array([0.0, 0.0, 1.0]), 3))
+    written(tmp_path / "w.rrd", plane_wall([0, 0, 0], [0, 0, 1]))
     for name in ("r.rrd", "w.rrd"):
         views = of_layout(tmp_path / name, "ViewBlueprint:class_identifier")
         assert "2D" not in views

@@ -24,14 +24,14 @@ def one_large_among_small(n: int) -> ObstacleField:
     grid = grid[np.hypot(*(grid - 500.0).T) > 102.0]
     centers = np.zeros((len(grid) + 1, 3))
     centers[0, :2], centers[1:, :2] = 500.0, grid
-    return ObstacleField(centers, np.r_[100.0, np.full(len(grid), 0.5)], np.array([1000.0, 1000.0, 0.0]), 2)
+    return ObstacleField.of_spheres(centers, np.r_[100.0, np.full(len(grid), 0.5)], np.array([1000.0, 1000.0, 0.0]), 2)
 
 
 def scattered(radii: np.ndarray, box: list[float], *, periodic: bool) -> ObstacleField:
     """Beads anywhere: overlaps do not matter here."""
     edges, d = np.array(box), int(np.sum(np.array(box) > 0.0))
     centers = np.random.default_rng(4).random((len(radii), 3)) * edges
-    return ObstacleField(centers, radii, edges if periodic else np.zeros(3), d)
+    return ObstacleField.of_spheres(centers, radii, edges if periodic else np.zeros(3), d)
 
 
 def listed(index: CellIndex, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

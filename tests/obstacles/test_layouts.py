@@ -152,7 +152,9 @@ def polydisperse(seed: int, n: int, box: list[float]) -> ObstacleField:
     rng = np.random.default_rng(seed)
     edges = np.array(box)
     centers = rng.random((n, 3)) * np.where(edges > 0.0, edges, 20.0)
-    return ObstacleField(centers, 0.1 * 10.0 ** rng.uniform(0.0, 1.5, n), edges, 3)  # overlaps do not matter here
+    return ObstacleField.of_spheres(
+        centers, 0.1 * 10.0 ** rng.uniform(0.0, 1.5, n), edges, 3
+    )  # overlaps do not matter here
 
 
 @pytest.mark.parametrize("box", [[20.0, 20.0, 20.0], [0.0, 0.0, 0.0], [20.0, 0.0, 7.0]])
@@ -172,7 +174,7 @@ def test_the_nearest_surface_is_the_nearest_by_brute_force(box: list[float]) -> 
 
 
 def test_all_images_within_reach_are_found() -> None:
-    field = ObstacleField(np.array([[1.0, 1.0, 1.0]]), np.array([1.0]), np.array([2.5, 2.5, 2.5]), 3)
+    field = ObstacleField.of_spheres(np.array([[1.0, 1.0, 1.0]]), np.array([1.0]), np.array([2.5, 2.5, 2.5]), 3)
     # Halfway to the image in x: two surfaces at 0.25, the other two in y at sqrt(1.25^2 + 2.5^2) - 1 = 1.795
     _, _, offset = field.near(np.array([[2.25, 1.0, 1.0]]), 0.3)
     assert sorted(offset[:, 0].tolist()) == pytest.approx([-1.25, 1.25])

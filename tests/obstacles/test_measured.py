@@ -60,6 +60,66 @@ def test_overlaps_are_counted_with_their_depth_and_a_remedy(tmp_path):
     assert "by up to 5 % of their summed radii: set obstacles.overlaps to shrink or drop" in str(caught.value)
 
 
+def test_lengths_are_told_in_um_beside_a_where_the_scene_has_units(tmp_path):
+    with pytest.raises(SceneError) as caught:  # a is 0.5 um
+        place(tmp_path, OVERLAPPING, units=UNITS, unit="a")
+    told = "overlap by 0.2 a (0.1 µm): centres 3.8 a (1.9 µm) apart, radii 2 a (1 µm) and 2 a (1 µm)"
+    assert told in str(caught.value)
+
+
+def test_what_does_not_fit_a_lattice_is_told_in_um_too(tmp_path):
+    lattice = {"layout": "square", "radius": "2 um", "spacing": "3.5 um", "cells": [2, 2]}
+    data = {
+        "units": UNITS,
+        "swimmers": {"count": 1, "dipole_strength": 0.8},
+        "obstacles": lattice,
+        "domain": {"dimensions": 2},
+        "run": {"time_step": "1 ms", "duration": "2.5 ms"},
+    }
+    with pytest.raises(SceneError) as caught:  # a/U is 0.1 s
+        Scene.from_mapping(data)
+    spacing, duration = sorted(str(caught.value).splitlines())
+    assert spacing.endswith(
+        "colloids of radius 4 a (2 µm) overlap by 1 a (0.5 µm): expected at least 8 a (4 µm), found 7 a (3.5 µm)"
+    )
+    assert "0.025 a/U (0.0025 s) is not a whole number of steps of 0.01 a/U (0.001 s)" in duration
+
+
+def test_radii_are_bounded_in_half_lengths_whatever_the_unit_of_the_table(tmp_path):
+    tiny = np.array([[0.0, 0.0, 0.0004]])  # px
+    assert place(tmp_path, tiny, unit="px", scale=5.0).radii == pytest.approx([0.002])  # allowed from 0.001
+    with pytest.raises(SceneError, match=r"radius of 0.001 a .* to 1e\+06 a .*, found 0.0008 a \(0.0004 µm\)"):
+        place(tmp_path, tiny, unit="um", units=UNITS)
+
+
+@pytest.mark.parametrize(
+    ("header", "hint"),
+    [
+        ("x;y;radius", "; separate columns by commas, not by semicolons, and write decimals with a point"),
+        ("x\ty\tradius", "; separate columns by commas, not by tabs, and write decimals with a point"),
+        ("x [um],y [um],radius [um]", "; write the names in small letters and without units (obstacles.unit says what"),
+        ("X,Y,Radius", "; write the names in small letters and without units"),
+        (
+            "x_um;y_um;radius_um",
+            "; separate columns by commas, not by semicolons, and write decimals with a point; write",
+        ),
+        ("left,top,width", "found left, top, width"),
+    ],
+)
+def test_a_first_line_that_is_nearly_right_gets_a_hint(tmp_path, header, hint):
+    (tmp_path / "beads.csv").write_text(f"{header}\n1,2,3\n")
+    data = {
+        "swimmers": {"count": 1, "dipole_strength": 0.8, "release": {"kind": "point", "position": [-90, 0]}},
+        "obstacles": {"layout": "file", "path": "beads.csv"},
+        "domain": {"dimensions": 2, "boundary": "open"},
+        "run": {"time_step": 0.01, "duration": 1},
+    }
+    with pytest.raises(SceneError) as caught:
+        Scene.from_mapping(data, folder=tmp_path).place_obstacles()
+    assert hint in str(caught.value)
+    assert ("; " in str(caught.value)) == hint.startswith("; ") or ";" in header
+
+
 def test_shrunk_colloids_touch_and_are_counted(tmp_path):
     field = place(tmp_path, OVERLAPPING, overlaps="shrink")
     assert field.radii == pytest.approx([1.9, 1.9, 2.9 / 3.0, 5.8 / 3.0, 1.0])

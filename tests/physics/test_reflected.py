@@ -11,9 +11,8 @@ import math
 import numpy as np
 import pytest
 
-from porous_swim.obstacles.wall import WallField
 from porous_swim.physics.hydrodynamics import NoHydrodynamics
-from tests.support.engines import field_of, make_engine
+from tests.support.engines import field_of, make_engine, plane_wall
 
 RADIUS = 1e5
 COUNT = 20_000
@@ -21,7 +20,7 @@ STANDARD_ERRORS = 4.0
 
 
 SPHERE = field_of([0, 0, 0], RADIUS, dimensions=2)
-PLANE = WallField.through(np.array([0.0, RADIUS, 0.0]), np.array([0.0, 1.0, 0.0]), 2)
+PLANE = plane_wall([0.0, RADIUS, 0.0], [0.0, 1.0, 0.0], 2)
 
 
 def facing_a_wall(director, *, gap=0.0, field=SPHERE, **options):

@@ -11,16 +11,15 @@ from scipy.integrate import quad
 import porous_swim as ps
 from porous_swim.engine.probe import drift_of
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
-from tests.support.engines import field_of, fingerprint, make_engine
+from tests.support.engines import field_of, fingerprint, make_engine, plane_wall
 
 POINT = np.array([3.0, -2.0, 0.0])  # of the wall
 NORMALS = {2: np.array([0.6, -0.8, 0.0]), 3: np.array([2.0, -1.0, 2.0]) / 3.0}
 TANGENTS = {2: np.array([0.8, 0.6, 0.0]), 3: np.array([1.0, 2.0, 0.0]) / math.sqrt(5.0)}
 
 
-def wall(dimensions: int) -> WallField:
-    return WallField.through(POINT, NORMALS[dimensions], dimensions)
+def wall(dimensions: int) -> ObstacleField:
+    return plane_wall(POINT, NORMALS[dimensions], dimensions)
 
 
 def directors(pitch, dimensions: int) -> np.ndarray:

@@ -164,4 +164,4 @@ def test_strings_of_a_folder_command_nothing(folder, tmp_path, monkeypatch) -> N
 def test_limits_are_those_of_the_run(run) -> None:
     results = ps.load_results(run)
     limits = Limits.of(results.info, results.colloids, run / "colloids.parquet")
-    assert (limits.n_swimmers, limits.n_colloids, limits.last_time, limits.wall) == (30, 4, 60.0, False)
+    assert (limits.n_swimmers, limits.n_colloids, limits.last_time, limits.flat) == (30, 4, 60.0, False)

@@ -69,6 +69,22 @@ def test_broken_syntax_names_file_line_and_column(text: str) -> None:
     assert sentence.strip()
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_table_in_place_of_a_scene_is_told_as_such_and_not_repeated(separator: str) -> None:
+    rows = [["x", "y", "radius"], *([str(i), "2.5", "1"] for i in range(1000))]
+    with pytest.raises(SceneError) as caught:
+        parse_document("\n".join(separator.join(row) for row in rows), file="beads.csv")
+    assert "this is a table, and check and run take a scene: name the table there as obstacles.path" in str(
+        caught.value
+    )
+    assert len(str(caught.value)) < 300
+
+
+def test_a_long_text_is_not_repeated() -> None:
+    with pytest.raises(SceneError, match=r"^s.yaml:1:1: a scene is a map of keys, found one long text$"):
+        parse_document("word " * 100, file="s.yaml")
+
+
 def test_nesting_without_end_is_refused() -> None:
     assert "too deep" in complaint("a: " + "[" * 100_000)
 

@@ -62,7 +62,7 @@ def test_a_scene_with_nine_mistakes_lists_nine(tmp_path: Path) -> None:
 def test_at_most_ten_are_listed_and_the_others_counted(tmp_path: Path) -> None:
     found = lines(tmp_path / "s.yaml", NINE + "".join(f"key{i}: 1\n" for i in range(30)))
     assert len(found) == 11
-    assert found[-1] == "and 29 more to mend"
+    assert found[-1] == "and 29 more mistakes"
 
 
 def test_files_that_are_not_there_are_listed_with_the_rest(tmp_path: Path) -> None:

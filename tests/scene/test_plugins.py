@@ -40,7 +40,9 @@ class Twin(ps.Layout):
 
     def place(self, domain: Any, rng: np.random.Generator, folder: Path) -> ObstacleField:
         x = self.radius + 0.5 * self.gap
-        return ObstacleField(np.array([[-x, 0, 0], [x, 0, 0]]), np.full(2, self.radius), np.zeros(3), domain.dimensions)
+        return ObstacleField.of_spheres(
+            np.array([[-x, 0, 0], [x, 0, 0]]), np.full(2, self.radius), np.zeros(3), domain.dimensions
+        )
 
 
 @pytest.fixture

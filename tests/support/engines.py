@@ -12,6 +12,7 @@ from porous_swim.engine.engine import Engine
 from porous_swim.engine.parameters import Numbers, Parameters, flight_height
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.insertion import insert
+from porous_swim.obstacles.wall import PlaneWall
 from porous_swim.physics.hydrodynamics import ImageDipole
 from porous_swim.physics.motility import Steady
 
@@ -19,9 +20,15 @@ from porous_swim.physics.motility import Steady
 def field_of(centers, radii, box=(0.0, 0.0, 0.0), dimensions=3) -> ObstacleField:
     """Spheres given as lists."""
     centers = np.array(centers, dtype=float).reshape(-1, 3)
-    return ObstacleField(
+    return ObstacleField.of_spheres(
         centers, np.broadcast_to(np.array(radii, float), len(centers)), np.array(box, float), dimensions
     )
+
+
+def plane_wall(point, normal, dimensions=3) -> ObstacleField:
+    """The plane through `point` whose unit `normal` points into the fluid."""
+    plane = PlaneWall(np.asarray(point, float), np.asarray(normal, float), dimensions)
+    return ObstacleField((plane,), np.zeros(3), dimensions)
 
 
 def hexagonal(*, radius=3.5, spacing=10.0, cells=(4, 3)) -> ObstacleField:

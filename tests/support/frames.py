@@ -43,7 +43,7 @@ def free_space(*, dimensions: int = 3) -> ObstacleField:
 
 def field_of(centers: np.ndarray, radius: float, *, box: tuple[float, ...], dimensions: int) -> ObstacleField:
     """Equal spheres at `centers`, (n, 3)."""
-    return ObstacleField(centers, np.full(len(centers), radius), np.array(box, dtype=float), dimensions)
+    return ObstacleField.of_spheres(centers, np.full(len(centers), radius), np.array(box, dtype=float), dimensions)
 
 
 class Walkers:

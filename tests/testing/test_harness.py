@@ -46,7 +46,9 @@ class Sound(ps.Layout):
 
     def place(self, domain: Any, rng: np.random.Generator, folder: Path) -> ObstacleField:
         x = self._place(rng)
-        return ObstacleField(np.array([[-x, 0, 0], [x, 0, 0]]), np.full(2, self.radius), np.zeros(3), domain.dimensions)
+        return ObstacleField.of_spheres(
+            np.array([[-x, 0, 0], [x, 0, 0]]), np.full(2, self.radius), np.zeros(3), domain.dimensions
+        )
 
     def _place(self, rng: np.random.Generator) -> float:
         return self.radius

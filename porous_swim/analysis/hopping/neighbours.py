@@ -9,7 +9,7 @@ import pyarrow as pa
 from scipy.spatial import QhullError
 
 from porous_swim.analysis.hopping.power_diagram import Faces, faces
-from porous_swim.analysis.places import at_wall, centers_of, radii_of, tiled, wrapped
+from porous_swim.analysis.places import all_round, centers_of, radii_of, tiled, wrapped
 
 LEAST_FACE = 0.01  # of the surface of either cell: less opens by rounding where four cells of a lattice meet
 MOST_POINTS = 250_000  # of one diagram, images too: in space a quarter of a minute and 2 GB
@@ -51,7 +51,7 @@ def neighbours(colloids: pa.Table, *, box: tuple[float, float, float]) -> Neighb
     inside, moved = wrapped(centers, edges)
     extent = np.where(edges > 0.0, edges, np.ptp(inside, axis=0) if len(inside) else 0.0)
     spread = np.flatnonzero(extent > 0.0)
-    if len(spread) == 0 or at_wall(colloids):
+    if len(spread) == 0 or not all_round(colloids):
         return Neighbours(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3), int), np.zeros(0))
     spacing = float(np.prod(extent[spread] / extent[spread].max()) / len(inside)) ** (1.0 / len(spread))
     spacing *= float(extent[spread].max())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import rerun as rr
 from scipy.spatial.transform import Rotation
@@ -9,22 +11,21 @@ from scipy.spatial.transform import Rotation
 from porous_swim.observers.rerun.palette import COLLOID, DOMAIN, STATE_COLORS, STATE_NAMES
 from porous_swim.observers.rerun.stream import RecordingFile
 from porous_swim.observers.rerun.view import Scenery
+from porous_swim.obstacles.bodies import Solids
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
 
-WALL_THICKNESS = 1.0  # a, as drawn
 MAX_TRANSLUCENT = 2000  # more take seconds a picture without a GPU; points are always quick, and opaque
 
 
-def log_world(file: RecordingFile, field: ObstacleField) -> None:
-    """Log what never changes; a wall is drawn by `log_wall`."""
+def log_world(file: RecordingFile, field: ObstacleField, scenery: Scenery) -> None:
+    """Log what never changes; bodies without an end are drawn by `log_endless`."""
     states = [rr.AnnotationInfo(id=state, label=name, color=STATE_COLORS[state]) for state, name in STATE_NAMES.items()]
     file.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.AnnotationContext(states))
     if len(field.centers) > MAX_TRANSLUCENT:
         colors = _depth_shade(field.centers)
         file.log("world/colloids", rr.Points3D(_single(field.centers), radii=_single(field.radii), colors=colors))
-    elif len(field.centers) and not isinstance(field, WallField):
-        log_translucent(file, "world/colloids", field)
+    else:
+        log_translucent(file, "world/colloids", field, scenery)
     if field.periodic:
         box = rr.Boxes3D(
             mins=[np.zeros(3)], sizes=[field.box], colors=[DOMAIN], fill_mode="majorwireframe", radii=-0.75
@@ -32,33 +33,33 @@ def log_world(file: RecordingFile, field: ObstacleField) -> None:
         file.log("world/domain", box)
 
 
-def log_translucent(file: RecordingFile, entity: str, field: ObstacleField, *, which: np.ndarray | None = None) -> None:
-    """Log the colloids `which` (indices, all by default) as see-through spheres."""
-    chosen = slice(None) if which is None else which
-    half_sizes = np.repeat(field.radii[chosen, None], 3, axis=1)
-    spheres = rr.Ellipsoids3D(
-        centers=_single(field.centers[chosen]),
-        half_sizes=_single(half_sizes),
-        colors=[(*COLLOID, _alpha(field))],
-        fill_mode="solid",
-    )
-    file.log(entity, spheres)
+def log_translucent(
+    file: RecordingFile, entity: str, field: ObstacleField, scenery: Scenery, *, which: np.ndarray | None = None
+) -> None:
+    """Log the colloids `which` (indices, all by default) that can be seen whole, as see-through bodies."""
+    _log(file, entity, field, scenery, which=which, endless=False)
 
 
-def log_wall(file: RecordingFile, field: WallField, scenery: Scenery) -> None:
-    """Log the part of the wall that belongs to the scenery, as a see-through slab below its plane."""
-    size, last = np.full(3, 0.75 * scenery.size), field.dimensions - 1
-    size[last] = 0.5 * WALL_THICKNESS
-    size[last + 1 :] = WALL_THICKNESS  # across the plane of two dimensions
-    middle = field.outline(scenery.center[None, :]) - size[last] * field.normal
-    slab = rr.Boxes3D(
-        centers=_single(middle),
-        half_sizes=_single(size[None, :]),
-        quaternions=_single(Rotation.from_matrix(field.axes.T).as_quat()[None, :]),
-        colors=[(*COLLOID, _alpha(field))],
-        fill_mode="solid",
-    )
-    file.log("world/colloids", slab)
+def log_endless(file: RecordingFile, field: ObstacleField, scenery: Scenery) -> None:
+    """Log the part of bodies without an end that belongs to the scenery, as see-through bodies."""
+    _log(file, "world/colloids", field, scenery, which=None, endless=True)
+
+
+def _log(
+    file: RecordingFile, entity: str, field: ObstacleField, scenery: Scenery, *, which: np.ndarray | None, endless: bool
+) -> None:
+    chosen = np.arange(len(field.radii)) if which is None else which
+    for solids in field.solids(chosen, scenery.lower, scenery.upper, endless=endless):
+        file.log(entity, _drawn(solids, (*COLLOID, _alpha(field))))
+
+
+def _drawn(solids: Solids, color: tuple[int, int, int, int]) -> rr.Ellipsoids3D | rr.Boxes3D:
+    """What Rerun calls them."""
+    places: dict[str, Any] = dict(centers=_single(solids.centers), half_sizes=_single(solids.half_sizes))
+    if solids.shape == "ellipsoid":
+        return rr.Ellipsoids3D(**places, colors=[color], fill_mode="solid")
+    turn = _single(Rotation.from_matrix(solids.axes.T).as_quat()[None, :])
+    return rr.Boxes3D(**places, quaternions=turn, colors=[color], fill_mode="solid")
 
 
 def _alpha(field: ObstacleField) -> int:

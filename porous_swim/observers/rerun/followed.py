@@ -49,8 +49,9 @@ class FollowedTrack:
         """Send the rows that wait; log the colloids that it was near, where all of them would hide it."""
         if len(self._moments):
             self._send()
-        if self._field.dimensions == 3 and self._field.surface == "sphere":
-            log_translucent(self._file, "world/followed/colloids", self._field, which=np.array(sorted(self._visited)))
+        if self._field.dimensions == 3 and self._field.is_round:  # else nothing hides it
+            visited = np.array(sorted(self._visited))
+            log_translucent(self._file, "world/followed/colloids", self._field, self.scenery(), which=visited)
 
     def state(self) -> dict[str, np.ndarray]:
         """Where it was, and the colloids there; what waits is to be sent first."""
@@ -65,8 +66,7 @@ class FollowedTrack:
         center = self._field.centers[colloid] + image * self._field.box
         height, sine = self._field.stance(position - center, director, colloid)
         shown = wrapped(position, self._field.box)
-        radius = self._field.radii[colloid, None]
-        room = np.where(np.isfinite(radius), radius, 0.0) + _MARGIN
+        room = self._field.at_surface[colloid, None] + _MARGIN
         corners = np.concatenate([self._corners, shown - room, shown + room])
         self._corners = np.stack([corners.min(axis=0), corners.max(axis=0)])
         self._visited |= set(colloid.tolist())

@@ -21,7 +21,7 @@ from porous_swim.observers.base import Every, Frame, Observer
 from porous_swim.observers.rerun.above import log_camera, log_scale_bar
 from porous_swim.observers.rerun.blueprint import Layout
 from porous_swim.observers.rerun.bodies import Body
-from porous_swim.observers.rerun.colloids import MAX_TRANSLUCENT, log_translucent, log_wall, log_world
+from porous_swim.observers.rerun.colloids import MAX_TRANSLUCENT, log_endless, log_translucent, log_world
 from porous_swim.observers.rerun.followed import FollowedTrack
 from porous_swim.observers.rerun.network import HopTrack
 from porous_swim.observers.rerun.pictures import Pictures
@@ -33,7 +33,6 @@ from porous_swim.observers.rerun.swimmers import SwimmerTrack
 from porous_swim.observers.rerun.timeline import TimeLine
 from porous_swim.observers.rerun.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
-from porous_swim.obstacles.wall import WallField
 
 LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
 # measured, a row of one frame: position and state; of a trail: also director, segment and a second point
@@ -183,6 +182,7 @@ class Recording(Observer):
                 self._file,
                 "world/visited",
                 self._field,
+                self._layout(self._last, self._distributions.drawn).space.scenery,
                 which=np.array(sorted(self._visited)[:MAX_TRANSLUCENT]),
             )
         if interrupted:
@@ -226,7 +226,7 @@ class Recording(Observer):
         self._file = file = RecordingFile(self._path, recording_id=self._id, timeline=self._timeline)
         file.lay_out(layout.blueprint())
         file.describe(self._page.name, self._provenance)
-        log_world(file, self._field)
+        log_world(file, self._field, layout.space.scenery)
         self._draw_surroundings(layout.space)
         self._tracks = self._make_tracks(file, layout.space.scenery.body(self._aspect_ratio))
         if before:
@@ -266,10 +266,10 @@ class Recording(Observer):
 
     @property
     def _possible(self) -> tuple[str, ...]:
-        """The distributions that the field allows: nobody winds around a wall, nor hops where all else is far away."""
+        """The distributions that the field allows: nobody winds around what has no other side, nor hops alone."""
         n_colloids = len(self._field.centers)
         missing = set(DISTRIBUTIONS) if n_colloids == 0 else set()
-        if isinstance(self._field, WallField):
+        if not self._field.is_round:
             missing.add("winding")
         if n_colloids == 1 and not self._field.periodic:  # in a box there is its own image
             missing.add("hop_time")
@@ -278,8 +278,7 @@ class Recording(Observer):
     def _layout(self, frame: Frame, distributions: tuple[str, ...]) -> Layout:
         # around spheres, show these and the release; else wherever the swimmers went
         start = self._start if self._start is not None else frame.position[self._swimmers]
-        bounded = np.any(np.isfinite(self._field.radii))
-        scenery = Scenery.of(self._field, start if bounded else frame.position[self._swimmers])
+        scenery = Scenery.of(self._field, start if self._field.bounded else frame.position[self._swimmers])
         space = Space(
             scenery=scenery,
             # in open space a lone swimmer may go far
@@ -287,7 +286,7 @@ class Recording(Observer):
             timeline=self._timeline,
             duration=max(self._n_steps * self._time_step, frame.time),
             periodic=self._field.periodic,
-            flat=self._field.dimensions == 2 or isinstance(self._field, WallField),
+            flat=self._field.dimensions == 2 or not self._field.is_round,
             crowded=self._crowded,
         )
         return Layout(
@@ -301,10 +300,9 @@ class Recording(Observer):
         )
 
     def _draw_surroundings(self, space: Space) -> None:
-        """What follows from the scenery: the part of a wall; in a plane the camera above it and the scale bars."""
+        """What follows from the scenery: a part of endless bodies; in a plane the camera above it and scale bars."""
         assert self._file is not None
-        if isinstance(self._field, WallField):
-            log_wall(self._file, self._field, space.scenery)
+        log_endless(self._file, self._field, space.scenery)
         if self._field.dimensions == 2:
             log_camera(self._file, space.scenery)
             log_scale_bar(self._file, "world/scale", space.scenery, self._scales)

@@ -28,7 +28,7 @@ class Space:
     timeline: TimeLine
     duration: float  # a/U
     periodic: bool
-    flat: bool  # whether no colloid can hide a swimmer: a plane, or a wall
+    flat: bool  # whether no colloid can hide a swimmer: in a plane, or behind none
     crowded: bool  # whether colloids are too many to see through: beside trails show only those visited
 
     def recorded(self) -> rrb.View:
