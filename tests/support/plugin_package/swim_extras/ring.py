@@ -42,4 +42,4 @@ class Ring(ps.Layout):
         angle = 2.0 * np.pi * np.arange(self.count) / self.count
         centers = self.ring_radius * np.stack([np.cos(angle), np.sin(angle), np.zeros(self.count)], axis=1)
         radii = np.full(self.count, self.radius)
-        return checked_field(centers, radii, box=np.zeros(3), dimensions=domain.dimensions, key="obstacles.ring_radius")
+        return checked_field(centers, radii, box=np.zeros(3), domain=domain, key="obstacles.ring_radius")
