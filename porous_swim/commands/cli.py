@@ -295,7 +295,7 @@ def bench(
         print(text(found))
 
 
-@app.command()
+@app.command(short_help="Print the JSON Schema of scene files, for editors.")
 def schema(
     page: Annotated[bool, typer.Option("--page", help="A reference page in Markdown instead, for people.")] = False,
 ) -> None:
