@@ -28,11 +28,15 @@ RUN_FILES = {
 # The command line with a drift that single precision cannot hold, which no scene may ask for: the first step is not a
 # number.
 TOO_STRONG = """
-from dataclasses import replace
+import numpy as np
 from porous_swim.commands import cli
 from porous_swim.running import simulation
-laws_of = simulation.laws_of
-simulation.laws_of = lambda scene: replace(laws_of(scene), dipole_strength=laws_of(scene).dipole_strength * 1e35)
+dynamics_of = simulation.dynamics_of
+def too_strong(scenes):
+    found = dynamics_of(scenes)
+    found.parameters.table[:] *= np.where(np.array(found.parameters.names) == "alpha", 1e35, 1.0)
+    return found
+simulation.dynamics_of = too_strong
 cli.main()
 """
 

@@ -8,8 +8,8 @@ from itertools import pairwise
 import pytest
 from scipy.integrate import quad
 
+from porous_swim.engine.parameters import Parameters
 from porous_swim.physics.perrin import SpheroidDiffusion, spheroid_diffusion
-from porous_swim.running.simulation import laws_of
 from porous_swim.scene.scene import Scene
 
 RATIOS = [1.0, 0.9999, 0.97, 0.95, 0.9487, 0.9486, 0.9, 0.7, 0.5, 0.25, 0.1, 0.03, 0.01]  # 0.9487: e^2 = 0.1
@@ -102,10 +102,9 @@ def test_thermal_rods_have_both_diffusivities_of_a_passive_spheroid(dimensions: 
     # 1e-9: SPHERE has nine digits
     assert scene.translational_diffusion == pytest.approx(SPHERE * mean, rel=2e-9)
     assert scene.rotational_diffusion == pytest.approx(0.75 * SPHERE * turning, rel=2e-9)
-    laws = laws_of(scene)
-    assert (laws.translational_diffusion[0], laws.rotational_diffusion[0]) == (
-        scene.translational_diffusion, scene.rotational_diffusion,
-    )  # fmt: skip
+    handed = Parameters.of([scene])  # as the deviations of a step
+    for name, D in (("kick", scene.translational_diffusion), ("turn", scene.rotational_diffusion)):
+        assert handed[name][0] ** 2 == pytest.approx(2.0 * D * scene.run.time_step, rel=1e-14)  # rounding
     assert Scene.from_mapping({"name": "again"} | scene_data(scene)).rotational_diffusion == scene.rotational_diffusion
 
 
