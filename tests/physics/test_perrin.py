@@ -102,9 +102,9 @@ def test_thermal_rods_have_both_diffusivities_of_a_passive_spheroid(dimensions: 
     # 1e-9: SPHERE has nine digits
     assert scene.translational_diffusion == pytest.approx(SPHERE * mean, rel=2e-9)
     assert scene.rotational_diffusion == pytest.approx(0.75 * SPHERE * turning, rel=2e-9)
-    given = Parameters.of([scene])
-    for name, diffusion in (("kick", scene.translational_diffusion), ("turn", scene.rotational_diffusion)):
-        assert given[name][0] ** 2 == pytest.approx(2.0 * diffusion * scene.run.time_step, rel=1e-14)
+    handed = Parameters.of([scene])  # as the deviations of a step
+    for name, D in (("kick", scene.translational_diffusion), ("turn", scene.rotational_diffusion)):
+        assert handed[name][0] ** 2 == pytest.approx(2.0 * D * scene.run.time_step, rel=1e-14)  # rounding
     assert Scene.from_mapping({"name": "again"} | scene_data(scene)).rotational_diffusion == scene.rotational_diffusion
 
 

@@ -5,14 +5,12 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.engine.kernel.capture import make_capture
 from porous_swim.engine.kernel.log import make_log
-from porous_swim.engine.kernel.record import make_record
 from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Long, Phase, Total
-from porous_swim.engine.kernel.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
+from porous_swim.engine.kernel.swimmers import image_of, packed, same, touched_image, unpacked
 from porous_swim.obstacles.search import make_between
-from porous_swim.physics.contact import HardContact
-from porous_swim.physics.lift_off import make_lift_off_sine
 from porous_swim.physics.model import Model
 from porous_swim.physics.surface import make_surface
 from porous_swim.physics.vectors import pick, record, vec
@@ -93,95 +91,6 @@ def make_orient(model: Model):
         n[LaneInt.WATCH_PITCH][j] = ti.cast(awaited & (f[rows.law.escape_sine][j] < real(1.0)), ti.i32)
 
     return orient
-
-
-@cache
-def make_threshold(model: Model):
-    """Return `threshold(swimmers, medium, i, k, alpha, gamma)`: the sine of swimmer i's escape pitch at colloid k."""
-    real, lift_off_sine = model.real, make_lift_off_sine(model)
-    column = model.numbers.index("escape_sine")
-
-    @ti.func
-    def threshold(swimmers: ti.template(), medium: ti.template(), i, k, alpha, gamma):
-        sine = swimmers.law[set_of(swimmers, i), column]
-        if sine < real(-1.0):
-            sine = lift_off_sine(medium.radius[k], alpha, gamma)
-        return sine
-
-    return threshold
-
-
-@cache
-def make_capture(model: Model):
-    """Return `capture(f, n, j, i, swimmers, medium, rules, target)`, which opens an encounter.
-
-    `target` is the colloid, `k` and `image`; `struck` says whether it begins at the wall: it does not in a direct hop.
-    """
-    real, dimensions, reflected, located = model.real, model.dimensions, model.reflected, model.located
-    rows, (get, _) = rows_of(model), make_vectors(model)
-    contact_height, threshold_at = HardContact.make_rolled_height(model), make_threshold(model)
-    between, to, (_, _, clear) = make_between(model), make_surface(model), make_record(model)
-
-    @ti.func
-    def count(i, swimmers: ti.template(), k, image):
-        """A hop comes from another colloid, a return from the same; a first encounter is neither."""
-        b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
-        again = same(b, image_b, k, image)
-        ti.atomic_add(swimmers.total[int(Total.CAPTURES)], 1)
-        ti.atomic_add(swimmers.total[int(Total.RETURNS)], ti.select(again, 1, 0))
-        ti.atomic_add(swimmers.total[int(Total.HOPS)], ti.select((b >= 0) & (not again), 1, 0))
-
-    @ti.func
-    def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
-                rules: ti.template(), target):  # fmt: skip
-        k, image, struck = target.k, target.image, target.struck
-        count(i, swimmers, k, image)
-        swimmers.int[int(Int.BOUND), i] = k
-        put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
-        swimmers.int[int(Int.TOUCHED), i] = -1
-        n[LaneInt.PHASE][j] = int(Phase.BOUND)
-        nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        r = (get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)).variable()
-        e = get(f, rows.e, j)
-        R = to.distance(r)
-        s, h = to.sine(r, e, R), R - medium.radius[k]
-        least = contact_height(s, f[rows.law.gamma][j], medium.radius[k])
-        touch, low = h <= least + rules.tolerance, h
-        if ti.static(reflected):  # the wall was touched within the step, and may have been left again
-            touch |= struck
-            low = ti.select(struck, ti.min(h, least), h)
-            r = to.at(r, R, medium.radius[k] + low)
-        for d in ti.static(range(dimensions)):
-            swimmers.real[rows.entry_x + d, i] = r[d]
-            swimmers.real[rows.entry_e + d, i] = e[d]
-        push = ti.select(struck, f[rows.push][j], real(0.0))
-        clear(f, j)
-        f[rows.min_height][j], f[rows.max_height][j] = h, h
-        threshold = threshold_at(swimmers, medium, i, k, f[rows.law.alpha][j], f[rows.law.gamma][j])
-        f[rows.law.escape_sine][j] = threshold
-        f[rows.release_sine][j] = s
-        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
-        step = rules.first + n[Int.STEP][j]
-        swimmers.long[int(Long.START), i] = step
-        swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
-        swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
-        swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
-        if ti.static(located):
-            for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
-                f[row][j] = f[rows.clock][j]
-        f[rows.contact_clock][j] = real(0.0)
-        if ti.static(reflected):  # what is left of the step counts, and the push at first contact
-            f[rows.push][j] = push
-            f[rows.min_height][j] = low
-            f[rows.height][j] = -f[rows.clock][j] * h
-        if ti.static(
-            not located
-        ):  # both ends of each step count: half of the entry here, half less where it is cut off
-            band = ti.max(rules.contact_band, rules.tolerance)
-            at_entry = ti.select(low - least <= band, real(0.5), real(0.0))
-            f[rows.contact_clock][j] = at_entry + ti.select(h - least <= band, -f[rows.clock][j], real(0.0))
-
-    return capture
 
 
 @cache

@@ -5,7 +5,8 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.encounters import make_recall, make_threshold
+from porous_swim.engine.kernel.capture import make_threshold
+from porous_swim.engine.kernel.encounters import make_recall
 from porous_swim.engine.kernel.pairs import make_swap
 from porous_swim.engine.kernel.rows import get_image, rows_of
 from porous_swim.engine.kernel.state import PHASE_BIT, Event, Int, LaneInt, Long, Total, clock_of_events
