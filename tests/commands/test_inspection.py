@@ -119,7 +119,7 @@ def test_the_memory_said_is_that_of_the_arrays(tmp_path, layout, precision):
     )
     scene = load_scene(tmp_path / "scene.yaml")
     simulation = Simulation(scene)
-    survey = simulation._survey
+    survey = simulation.survey
     lists = [*simulation.engine._swimmers[:3], survey._origin, survey._origin_int]
     held = sum(array.to_numpy().nbytes for array in lists)
     said = dict(describe(scene))["memory"]
