@@ -11,6 +11,7 @@ from porous_swim.core.state import State
 from porous_swim.engine.kernel.log import CLOCKS, LogInt, LogLong, log_columns
 from porous_swim.engine.spill import RowStore, row_type
 from porous_swim.obstacles.field import ObstacleField
+from porous_swim.results.encounter_columns import COLUMNS, AtRelease, Record
 
 # the column that says what a number of steps lacks
 CLOCK = {step: name for name, step in CLOCKS.items()} | {
@@ -73,7 +74,7 @@ class Records:
         return long[:, which] + real[:, getattr(self._columns, CLOCK[which])]
 
     def _table(self, rows: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
-        c, d = self._columns, self._field.dimensions
+        c = self._columns
         # field by field: numpy 2.4 writes beyond its memory where it joins arrays of different structures
         real = np.concatenate([part["real"] for part in rows], dtype=np.float64)
         integer, long, censored = (
@@ -99,20 +100,31 @@ class Records:
         released = np.where(long[:, LogLong.RELEASE] >= 0, 1.0, np.nan)
         # before the first step of an encounter has been booked its mean height is that of its entry
         mean = np.where(n_steps > 0, height / np.where(n_steps > 0, n_steps, 1), real[:, c.min_height])
-        columns = dict(
+        made = dict(
             swimmer=integer[:, LogInt.SWIMMER], colloid=integer[:, LogInt.COLLOID],
             start_time=time[LogLong.START], end_time=time[LogLong.END],
             start_censored=np.zeros(len(long), bool), end_censored=censored,
-            contact_time=contact, wall_push=real[:, c.push],
-            winding=real[:, c.winding], signed_winding=real[:, c.signed] if d == 2 else np.full(len(long), np.nan),
-            release_time=time[LogLong.RELEASE],
+            contact_time=contact, release_time=time[LogLong.RELEASE],
             release_pitch=np.arcsin(np.clip(real[:, c.release_sine], -1, 1)) * released,
-            release_winding=real[:, c.release_winding] * released, escape_pitch_time=time[LogLong.PITCH],
-            min_height=real[:, c.min_height], mean_height=mean, max_height=real[:, c.max_height],
+            escape_pitch_time=time[LogLong.PITCH], mean_height=mean,
         )  # fmt: skip
         for axis, name in enumerate("xyz"):
-            columns[f"image_{name}"] = integer[:, LogInt.IMAGE + axis]
-        return columns | entry | exit_
+            made[f"image_{name}"] = integer[:, LogInt.IMAGE + axis]
+        recorded = {
+            column.name: self._recorded(column.source, real, released)
+            for column in COLUMNS
+            if isinstance(column.source, Record)
+        }
+        return dict(**recorded, **made, **entry, **exit_)  # no name twice
+
+    def _recorded(self, record: Record, real: np.ndarray, released: np.ndarray) -> np.ndarray:
+        """What the kernel kept, (n,), NaN where there is no value; `released` (n,) is 1, NaN without a release."""
+        if self._field.dimensions not in record.dimensions:
+            return np.full(len(real), np.nan)
+        values = real[:, getattr(self._columns, record.row)]
+        if np.isinf(record.start):  # a least or a greatest value before the first step
+            values = np.where(values == record.start, np.nan, values)
+        return np.asarray(values * released if isinstance(record, AtRelease) else values)
 
     def _stays(self, integer: np.ndarray, height: np.ndarray, pitch: np.ndarray, censored: np.ndarray) -> np.ndarray:
         """Which encounters, (n,) bool, are cut off in contact; one that has ended is out of it."""

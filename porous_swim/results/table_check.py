@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from porous_swim.core.errors import ResultsError
+from porous_swim.results.encounter_columns import COLUMNS, Kind
 from porous_swim.results.tables import TableInfo
 
 _ROUNDING = 1e-6  # of times and of unit vectors, some times that of single precision
@@ -49,39 +50,50 @@ class Limits:
 
     def of_column(self, table: str, column: str) -> tuple[float, float]:
         """The least and the largest that `column` may hold."""
-        duration, slack = self.last_time - self.first_time, self.slack
-        if column in ("time", "start_time", "end_time", "release_time", "escape_pitch_time"):
-            return self.first_time - slack, self.last_time + slack
-        if column in ("lag", "contact_time"):
-            return math.ulp(0.0) if column == "lag" else -slack, duration + slack
+        if table == "encounters":
+            return self.of_kind(_ENCOUNTERS[column])
+        if column in _KINDS:
+            return self.of_kind(_KINDS[column])
+        if column == "lag":
+            return math.ulp(0.0), self.of_kind(Kind.DURATION)[1]
         if column == "radius":
             return math.ulp(0.0), math.inf if self.wall else _LARGEST_RADIUS
-        whole = {
-            "swimmer": (0, self.n_swimmers - 1), "group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers),
-            "colloid": (0 if self.n_colloids else -1, self.n_colloids - 1), "state": (0, 2),
-        }  # fmt: skip
+        whole = {"group": (0, self.n_swimmers - 1), "n_swimmers": (0, self.n_swimmers), "state": (0, 2)}
         if column in whole:
             return whole[column]
         if column.startswith("n_"):
             return 0, math.inf
-        if column.startswith("image_"):
-            return -_MOST_IMAGES, _MOST_IMAGES
         if column.startswith("fraction_"):
             return 0.0, 1.0
-        if column == "director_correlation" or column in _UNIT_VECTORS:
-            return -1.0 - _ROUNDING, 1.0 + _ROUNDING
-        if column in ("entry_pitch", "exit_pitch", "release_pitch"):
-            return -0.5 * math.pi - _ROUNDING, 0.5 * math.pi + _ROUNDING
         if column in ("msd", "msd_standard_error", "fourth_moment"):
             return 0.0, LARGEST
         if table == "colloids" and self.box["xyz".index(column)] > 0.0:
             return 0.0, self.box["xyz".index(column)]
-        if column.rpartition("_")[2] in ("x", "y", "z", "height"):
-            return -_FARTHEST, _FARTHEST
-        return -LARGEST, LARGEST
+        return self.of_kind(Kind.PLACE if column in ("x", "y", "z") else Kind.NUMBER)
+
+    def of_kind(self, kind: Kind) -> tuple[float, float]:
+        """The least and the largest that a column of a kind may hold."""
+        duration, slack = self.last_time - self.first_time, self.slack
+        return {
+            Kind.NUMBER: (-LARGEST, LARGEST),
+            Kind.PLACE: (-_FARTHEST, _FARTHEST),
+            Kind.TIME: (self.first_time - slack, self.last_time + slack),
+            Kind.DURATION: (-slack, duration + slack),
+            Kind.PITCH: (-0.5 * math.pi - _ROUNDING, 0.5 * math.pi + _ROUNDING),
+            Kind.COMPONENT: (-1.0 - _ROUNDING, 1.0 + _ROUNDING),
+            Kind.FLAG: (0, 1),
+            Kind.SWIMMER: (0, self.n_swimmers - 1),
+            Kind.COLLOID: (0 if self.n_colloids else -1, self.n_colloids - 1),
+            Kind.IMAGE: (-_MOST_IMAGES, _MOST_IMAGES),
+        }[kind]
 
 
-_UNIT_VECTORS = {f"{where}{axis}" for where in ("", "entry_", "exit_") for axis in ("ex", "ey", "ez")}
+_ENCOUNTERS = {column.name: column.kind for column in COLUMNS}
+_KINDS = {  # of columns of the other tables
+    "time": Kind.TIME, "swimmer": Kind.SWIMMER, "colloid": Kind.COLLOID,
+    "image_x": Kind.IMAGE, "image_y": Kind.IMAGE, "image_z": Kind.IMAGE,
+    "ex": Kind.COMPONENT, "ey": Kind.COMPONENT, "ez": Kind.COMPONENT, "director_correlation": Kind.COMPONENT,
+}  # fmt: skip
 
 
 def check_table(table: pa.Table, limits: Limits, path: Path) -> None:

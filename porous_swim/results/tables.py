@@ -20,6 +20,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from porous_swim.core.errors import ResultsError
+from porous_swim.results.encounter_columns import COLUMNS, Kind
 
 
 def _columns(names: str, type_: pa.DataType, unit: str = "", *, nullable: bool = False) -> list[pa.Field]:
@@ -31,26 +32,11 @@ _INDEX, _COUNT, _FLAG, _REAL = pa.int32(), pa.int64(), pa.bool_(), pa.float64()
 
 # of a plane wall: a point of it, and an infinite radius; its normal is in scene.yaml
 COLLOIDS_SCHEMA = pa.schema([*_columns("colloid", _INDEX), *_columns("x y z radius", _REAL, "a")])
+_TYPES = {Kind.FLAG: _FLAG, Kind.SWIMMER: _INDEX, Kind.COLLOID: _INDEX, Kind.IMAGE: _INDEX}  # the others are reals
 ENCOUNTERS_SCHEMA = pa.schema(
-    [
-        *_columns("swimmer colloid image_x image_y image_z", _INDEX),
-        *_columns("start_time end_time", _REAL, "a/U"),
-        *_columns("start_censored end_censored", _FLAG),
-        *_columns("contact_time", _REAL, "a/U"),  # by both ends of each step: of second order in it
-        # by the encounter's own colloid; that of another colloid touched meanwhile goes to no encounter
-        *_columns("wall_push", _REAL, "a"),
-        *_columns("winding", _REAL, "turns"),  # 0 at a plane wall, around which nobody winds
-        *_columns("signed_winding", _REAL, "turns", nullable=True),  # null in three dimensions
-        *_columns("entry_x entry_y entry_z exit_x exit_y exit_z", _REAL, "a"),  # unwrapped
-        *_columns("entry_ex entry_ey entry_ez exit_ex exit_ey exit_ez", _REAL),
-        *_columns("entry_pitch exit_pitch", _REAL, "rad"),
-        # the last touch of the wall; between reflecting walls all three are of the middle of its step, of second order
-        *_columns("release_time", _REAL, "a/U", nullable=True),
-        *_columns("release_pitch", _REAL, "rad", nullable=True),
-        *_columns("release_winding", _REAL, "turns", nullable=True),
-        *_columns("escape_pitch_time", _REAL, "a/U", nullable=True),  # on the clock of start_time
-        *_columns("min_height mean_height max_height", _REAL, "a"),  # the mean by both ends of each step
-    ]
+    field
+    for column in COLUMNS
+    for field in _columns(column.name, _TYPES.get(column.kind, _REAL), column.unit, nullable=bool(column.null))
 )
 TIMESERIES_SCHEMA = pa.schema(
     [

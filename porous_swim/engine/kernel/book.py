@@ -9,6 +9,7 @@ from functools import cache
 
 import taichi as ti
 
+from porous_swim.engine.kernel.record import make_record
 from porous_swim.engine.kernel.rows import make_wide
 from porous_swim.engine.kernel.state import MIDDLE, Event, Int, LaneInt, Phase, real_rows
 from porous_swim.physics.bridge import crosses
@@ -17,16 +18,6 @@ from porous_swim.physics.surface import Surface, make_surface
 from porous_swim.physics.vectors import pick
 
 TWO_PI = 6.283185307179586
-
-
-@ti.func
-def add(f: ti.template(), row: ti.template(), on, value):
-    """Add `value` to a sum in the lanes `on`; the next row keeps what the rounding left (Kahan)."""
-    total, rest = f[row], f[row + 1]
-    y = value + rest
-    t = rounded(total + y)
-    f[row] = ti.select(on, t, total)
-    f[row + 1] = ti.select(on, y - (t - total), rest)
 
 
 @cache
@@ -85,6 +76,7 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
     """
     located, reflected = integrator == "located", integrator == "reflected"
     rows = real_rows(dimensions, located=located)
+    gather, hold, _ = make_record(dimensions, located=located)
     whole, put_whole = make_wide(dimensions)
     turns = make_swept(real, dimensions) if located else make_turns(real, dimensions)
     if surface == "plane":
@@ -110,32 +102,35 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
             f[rows.clock] = ti.select(on, real(MIDDLE), f[rows.clock])
 
     @ti.func
-    def weigh(f: ti.template(), n: ti.template(), on, h, low, left):
-        """Add the height and the time in contact, in steps."""
+    def over_time(f: ti.template(), h, left):
+        """The height, integrated over the step."""
+        if ti.static(located):
+            return f[rows.trial_height]
+        if ti.static(reflected):  # the encounter ended in the middle of the step
+            return h * ti.select(left, real(1.0 + MIDDLE), real(1.0))
+        return h
+
+    @ti.func
+    def stay(f: ti.template(), n: ti.template(), on, low):
+        """Add the time in contact, in steps."""
         if ti.static(located):
             part = f[rows.trial_clock] - f[rows.clock]
-            add(f, rows.height, on, f[rows.trial_height])
             in_contact = on & (n[LaneInt.LOW] != 0)
             f[rows.contact_clock] = f[rows.contact_clock] + ti.select(in_contact, part, real(0.0))
         else:
-            if ti.static(reflected):  # the encounter ended in the middle of the step
-                add(f, rows.height, on, h * ti.select(left, real(1.0 + MIDDLE), real(1.0)))
-            else:
-                add(f, rows.height, on, h)
             n[LaneInt.N_CONTACT] = n[LaneInt.N_CONTACT] + ti.select(on & low, 1, 0)
 
     @ti.func
-    def hold(f: ti.template(), n: ti.template(), at_wall, s, winding):
-        """Note when and where the wall was last touched: at which sine of the pitch, after which winding."""
+    def release(f: ti.template(), n: ti.template(), touched, values: ti.template()):
+        """Note when the wall was last touched, and what is recorded of that touch."""
         after = n[Int.STEP] + 1
         if ti.static(located):
             ends = f[rows.trial_clock] >= real(1.0)
             clock = ti.select(ends, real(0.0), f[rows.trial_clock])
             after = ti.select(ends, after, after - 1)
-            f[rows.release_clock] = ti.select(at_wall, clock, f[rows.release_clock])
-        n[LaneInt.RELEASE] = ti.select(at_wall, after, n[LaneInt.RELEASE])
-        f[rows.release_sine] = ti.select(at_wall, s, f[rows.release_sine])
-        f[rows.release_winding] = ti.select(at_wall, winding, f[rows.release_winding])
+            f[rows.release_clock] = ti.select(touched, clock, f[rows.release_clock])
+        n[LaneInt.RELEASE] = ti.select(touched, after, n[LaneInt.RELEASE])
+        hold(f, touched, values)
 
     @ti.func
     def crossings(f: ti.template(), rules: ti.template(), r0, e0, h, s):
@@ -157,23 +152,23 @@ def make_book(real, dimensions: int, surface: Surface, integrator: str, flights:
 
     @ti.func
     def record(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, r0, r1, e0, h, s0, s, left):
-        """Add the step to the record of the encounter under way; its sines are s0 and s."""
+        """Add the step to the record of the encounter under way, by the names of its rows; its sines are s0 and s."""
         along, angle = turns(r0, r1, e0)
-        add(f, rows.winding, on, along)
-        if ti.static(dimensions == 2):
-            add(f, rows.signed, on, angle)
-        add(f, rows.push, on, f[rows.trial_push])
-        f[rows.min_height] = ti.select(on, ti.min(h, f[rows.min_height]), f[rows.min_height])
-        f[rows.max_height] = ti.select(on, ti.max(h, f[rows.max_height]), f[rows.max_height])
+        gather(
+            f, on,
+            {"push": f[rows.trial_push], "winding": along, "signed": angle, "min_height": h,
+             "height": over_time(f, h, left), "max_height": h},
+        )  # fmt: skip
         above = h - least
         low = above <= ti.max(rules.contact_band, rules.tolerance)
-        weigh(f, n, on, h, low, left)
+        stay(f, n, on, low)
         rounding = above <= ti.min(rules.tolerance, rules.margin)
         if ti.static(reflected):  # in the middle of the step, as all that happens in it
             touched = on & (rounding | (f[rows.trial_push] > real(0.0)))
-            hold(f, n, touched, real(0.5) * (s0 + s), f[rows.winding] + real(MIDDLE) * along)
+            winding = f[rows.winding] + real(MIDDLE) * along
+            release(f, n, touched, {"release_sine": real(0.5) * (s0 + s), "release_winding": winding})
         else:
-            hold(f, n, on & rounding, s, f[rows.winding])
+            release(f, n, on & rounding, {"release_sine": s, "release_winding": f[rows.winding]})
 
     @ti.func
     def book(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):

@@ -6,6 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.log import make_log
+from porous_swim.engine.kernel.record import make_record
 from porous_swim.engine.kernel.rows import make_vectors
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Law, Long, Phase, Total, real_rows
 from porous_swim.engine.kernel.swimmers import image_of, packed, put_image, same, set_of, touched_image, unpacked
@@ -117,6 +118,7 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
     reflected, located = integrator == "reflected", integrator == "located"
     rows = real_rows(dimensions, located=located)
     get, _ = make_vectors(dimensions)
+    _, _, clear = make_record(dimensions, located=located)
     between = make_between(real, dimensions)
     threshold_at = make_threshold(real, contact_height, sphere, surface)
     to = make_surface(real, surface)
@@ -153,12 +155,11 @@ def make_capture(real, dimensions: int, contact_height, sphere: bool, surface: S
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
         push = ti.select(struck, f[rows.push][j], real(0.0))
-        for row in ti.static(range(rows.winding, rows.min_height)):
-            f[row][j] = real(0.0)
+        clear(f, j)
         f[rows.min_height][j], f[rows.max_height][j] = h, h
         threshold = threshold_at(swimmers, medium, i, k, f[rows.alpha][j], f[rows.gamma][j])
         f[rows.escape_sine][j] = threshold
-        f[rows.release_sine][j], f[rows.release_winding][j] = s, real(0.0)
+        f[rows.release_sine][j] = s
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
         step = rules.first + n[Int.STEP][j]
         swimmers.long[int(Long.START), i] = step

@@ -10,6 +10,7 @@ import taichi as ti
 
 from porous_swim.engine.kernel.rows import make_vectors
 from porous_swim.engine.kernel.state import Int, LaneInt, Long, Total, clock_of_events, real_rows
+from porous_swim.results.encounter_columns import records
 
 
 class Log(NamedTuple):
@@ -41,28 +42,21 @@ class LogLong(IntEnum):
     N_CONTACT = 4
 
 
-SCALARS = (
-    "winding", "signed", "push", "min_height", "height", "max_height", "release_sine", "release_winding",
-    "start_clock", "pitch_clock", "release_clock", "contact_clock",
-)  # fmt: skip
 CLOCKS = {"start_clock": LogLong.START, "pitch_clock": LogLong.PITCH, "release_clock": LogLong.RELEASE}
 
 
 def kept(dimensions: int, *, located: bool) -> tuple[str, ...]:
-    """Those of SCALARS that are rows of the state; the others follow from it, or there are none."""
-    missing = {*(() if dimensions == 2 else ("signed",)), *(() if located else CLOCKS)}
-    return tuple(name for name in SCALARS if name not in missing)
+    """Scalar columns that are rows of the state; the clocks of other steps follow from it."""
+    return (*(record.row for record in records(dimensions)), "contact_clock", *(CLOCKS if located else ()))
 
 
 @cache
 def log_columns(dimensions: int) -> SimpleNamespace:
     """Real columns of a row: four vectors, then scalars; offsets are from the encounter's colloid."""
     d = dimensions
-    scalars = {name: 4 * d + k for k, name in enumerate(SCALARS)}
-    return SimpleNamespace(
-        entry_x=0, entry_e=d, exit_x=2 * d, exit_e=3 * d, **scalars,
-        end_clock=4 * d + len(SCALARS), n_real=4 * d + len(SCALARS) + 1,
-    )  # fmt: skip
+    names = *kept(dimensions, located=True), "end_clock"
+    scalars = {name: column for column, name in enumerate(names, start=4 * d)}
+    return SimpleNamespace(entry_x=0, entry_e=d, exit_x=2 * d, exit_e=3 * d, **scalars, n_real=4 * d + len(names))
 
 
 @cache

@@ -6,6 +6,8 @@ from enum import IntEnum, IntFlag
 from functools import cache
 from types import SimpleNamespace
 
+from porous_swim.results.encounter_columns import records
+
 
 class Phase(IntEnum):
     """Where a swimmer stands in its life of encounters."""
@@ -132,26 +134,26 @@ def real_rows(dimensions: int, *, located: bool) -> SimpleNamespace:
     The first `n_shared` rows live in the lanes and in memory, the next ones in memory only (up to `n_memory`) or
     in the lanes only (up to `n_lanes`). A row `*_rest` behind a sum is what its rounding left (Kahan summation).
     `clock` is the part of the present step that is behind a swimmer, and `*_clock` what a number of whole steps
-    lacks: rows of their own where events are located; else see `clock_of_events`.
+    lacks: rows of their own where events are located; else see `clock_of_events`. The record of the encounter under way
+    has the rows of `encounter_columns`.
     """
     rows = SimpleNamespace()
 
     def number(start: int, vectors: str, scalars: str) -> int:
-        for name in vectors.split():
-            setattr(rows, name, start)
-            start += dimensions
-        for name in scalars.split():
-            setattr(rows, name, start)
-            start += 1
+        for names, size in ((vectors, dimensions), (scalars, 1)):
+            for name in names.split():
+                if hasattr(rows, name):
+                    raise ValueError(f"two rows of the state have the name {name!r}")
+                setattr(rows, name, start)
+                start += size
         return start
 
-    signed = "signed signed_rest " if dimensions == 2 else ""
+    record = " ".join(row for kept in records(dimensions) for row in kept.rows)
     clocks = " clock start_clock pitch_clock release_clock" if located else ""
     rows.n_shared = number(
         0,
         "x rest e reference",
-        f"budget winding winding_rest {signed}push push_rest height height_rest "
-        f"min_height max_height release_sine release_winding contact_clock{clocks}",
+        f"budget {record} contact_clock{clocks}",
     )
     rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
     rows.n_lanes = number(
