@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from porous_swim.core.state import State
-from porous_swim.engine.kernel.log import CLOCKS, LogInt, LogLong, log_columns
-from porous_swim.engine.spill import RowStore, row_type
+from porous_swim.engine.kernel.device_log import CLOCKS, LogInt, LogLong, log_columns
+from porous_swim.engine.spill import Spill, row_type
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.results.encounter_columns import COLUMNS, AtRelease, Record
 
@@ -36,7 +36,7 @@ class Records:
     ) -> None:  # fmt: skip
         self._field, self._time_step, self._in_contact = field, time_step, in_contact
         self._columns = log_columns(field.dimensions)
-        self._store = RowStore(n_swimmers, path)
+        self._store = Spill(n_swimmers, path)
 
     def add(self, real: np.ndarray, integer: np.ndarray, long: np.ndarray) -> np.ndarray:
         """Take rows of the log; return them as one array of `row_type`."""

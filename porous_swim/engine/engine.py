@@ -14,16 +14,16 @@ from porous_swim.engine.backend import Backend, check_alive, whole_vectors
 from porous_swim.engine.dynamics import Dynamics, Tuning
 from porous_swim.engine.encounter_log import Records
 from porous_swim.engine.kernel.advance import make_advance
-from porous_swim.engine.kernel.log import N_LOG_INTS, Log, LogLong, log_columns
-from porous_swim.engine.kernel.settle import MAX_IMAGE
+from porous_swim.engine.kernel.device_log import N_LOG_INTS, Log, LogLong, log_columns
+from porous_swim.engine.kernel.ensemble_sums import EnsembleSums, make_ensemble_sums
+from porous_swim.engine.kernel.resolve_contacts import MAX_IMAGE
 from porous_swim.engine.kernel.state import Event, Int, Total
-from porous_swim.engine.kernel.survey import Survey, make_survey
 from porous_swim.engine.kernel.swimmers import Rules, Swimmers
 from porous_swim.engine.limits import LONGEST_LAUNCH
 from porous_swim.engine.medium import load_medium, on_device
 from porous_swim.engine.parameters import Parameters
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.recent_events import News, NewsDesk
+from porous_swim.engine.recent_events import EventsDesk, RecentEvents
 from porous_swim.engine.snapshot import HostState, Snapshot
 from porous_swim.engine.transfer import on_host, to_device
 from porous_swim.obstacles.cells import build_cells
@@ -98,7 +98,7 @@ class Engine:
         self._aspect_ratio = parameters["gamma"], set_of
         in_contact = None if integrator == "located" else self._in_contact  # which integrates
         self._records = Records(field, numbers.time_step, self.n_swimmers, log_path, in_contact=in_contact)
-        self._desk = NewsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
+        self._desk = EventsDesk(field.dimensions, numbers.time_step, self.n_swimmers) if news else None
         self._launch(0)  # finds every swimmer's colloid and opens the encounters of those released in contact
 
     def advance(self, n_steps: int) -> None:
@@ -137,18 +137,18 @@ class Engine:
         """Where the first `n` swimmers are, by default all."""
         return self._host(n).snapshot()
 
-    def news(self) -> tuple[News, np.ndarray]:
+    def news(self) -> tuple[RecentEvents, np.ndarray]:
         """What happened since this was last asked for; and how long, in steps, the encounters under way have lasted."""
         assert self._desk is not None
         self._drain()
         who, host, start = self._host().under_way()
         return self._desk.take(who, host, start), self.step - start
 
-    def survey(self, *, n_levels: int) -> Survey:
+    def survey(self, *, n_levels: int) -> EnsembleSums:
         """What is summed over all swimmers, with the present for its origin: see `survey`."""
-        kernel = make_survey(self._model.at_rest)
+        kernel = make_ensemble_sums(self._model.at_rest)
         band = max(self._numbers.contact_band, self.tolerance)
-        return Survey(
+        return EnsembleSums(
             self._swimmers, self._medium, kernel, dimensions=self._field.dimensions, real=self._real, band=band,
             n_levels=n_levels,
         )  # fmt: skip
@@ -206,7 +206,7 @@ class Engine:
     def _load(self, position: np.ndarray, director: np.ndarray, parameters: Parameters, set_of: np.ndarray) -> None:
         state = HostState.placed(
             self._field, self._integrator, position, director, set_of, self._real,
-            n_sets=len(parameters), mates=self._model.mates,
+            n_sets=len(parameters), partners=self._model.partners,
         )  # fmt: skip
         table = parameters.table.astype(self._real)
         arrays = (state.real, state.int, state.long, table, np.zeros(len(Total), np.int64))

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from porous_swim.engine.kernel.log import CLOCKS, N_LOG_INTS, LogLong, kept, log_columns
+from porous_swim.engine.kernel.device_log import CLOCKS, N_LOG_INTS, LogLong, kept, log_columns
 from porous_swim.engine.kernel.state import PHASE_BIT, Event, Int, Long, Phase, clock_of_events, n_ints, real_rows
 from porous_swim.obstacles.field import ObstacleField
 
@@ -43,7 +43,7 @@ class HostState:
     @classmethod
     def placed(
         cls, field: ObstacleField, integrator: str, position: np.ndarray, director: np.ndarray, set_of: np.ndarray,
-        real: np.dtype, *, n_sets: int, mates: bool,
+        real: np.dtype, *, n_sets: int, partners: bool,
     ) -> HostState:  # fmt: skip
         """Swimmers at absolute `position` (n, 3) with unit `director` (n, 3), free, and waiting to be located."""
         located = integrator == "located"
@@ -52,7 +52,7 @@ class HostState:
             field,
             integrator,
             np.zeros((rows.n_memory, n), real),
-            np.zeros((n_ints(located=located, mates=mates, n_sets=n_sets), n), np.int32),
+            np.zeros((n_ints(located=located, partners=partners, n_sets=n_sets), n), np.int32),
             np.full((len(Long), n), -1, np.int64),
         )
         colloid, image, _ = field.nearest(position)
@@ -60,8 +60,8 @@ class HostState:
         state.int[Int.BOUND], state.int[Int.TOUCHED], state.int[Int.EVENT] = -1, -1, int(Event.LOCATE)
         if n_sets > 1:
             state.int[Int.SET] = set_of
-        if located or mates:
-            state.int[Int.MATE] = -1
+        if located or partners:
+            state.int[Int.PARTNER] = -1
         seen_from = state.int[Int.COLLOID]
         offset = field.to_device(position - state._center(Int.COLLOID, Int.IMAGE), seen_from)
         director = field.to_device(director, seen_from)

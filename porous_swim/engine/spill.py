@@ -10,7 +10,7 @@ import numpy as np
 
 from porous_swim.core.errors import RunError
 from porous_swim.core.state import State
-from porous_swim.engine.kernel.log import N_LOG_INTS, LogInt, LogLong, log_columns
+from porous_swim.engine.kernel.device_log import N_LOG_INTS, LogInt, LogLong, log_columns
 
 PIECE = 1 << 19  # rows that wait in memory before they go to disk: some 100 MB
 SHELVES = 1024  # groups of consecutive swimmers, in the order of which a piece lies on disk
@@ -29,7 +29,7 @@ def _row_type(n_real: int, real: np.dtype | type) -> np.dtype:
     return np.dtype(fields, align=True)
 
 
-class RowStore:
+class Spill:
     """Rows in pieces, each sorted by shelves; a piece is an array, or lies in the file at `path` from some byte on.
 
     Without a `path` everything stays in memory. `RunError` where the file cannot be written or read.

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from porous_swim.core.state import State, fitting
-from porous_swim.engine.kernel.survey import Groups, Survey
+from porous_swim.engine.kernel.ensemble_sums import EnsembleSums, Groups
 
 OPEN = 4  # windows of a spacing that are under way at a time
 MOST_SPACINGS = 7  # levels have a bit each in 32: lags up to 16384 frames
@@ -61,7 +61,7 @@ def longest_lag(n_frames: int) -> float:
 class Windows:
     """Those of a run. `look` at every frame of its record, at multiples of `period` steps."""
 
-    def __init__(self, survey: Survey, *, period: int, n_frames: int, burn_in: int = 0) -> None:
+    def __init__(self, survey: EnsembleSums, *, period: int, n_frames: int, burn_in: int = 0) -> None:
         """Windows begin from frame `burn_in` on; the q-th of the k-th spacing has level 1 + 4 k + q of `survey`."""
         self._survey, self._period, self._burn_in = survey, period, burn_in
         self._windows = [(spacing, q) for spacing in spacings(n_frames - burn_in) for q in range(OPEN)]

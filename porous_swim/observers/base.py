@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from porous_swim.core.state import State
-from porous_swim.engine.kernel.survey import Groups
+from porous_swim.engine.kernel.ensemble_sums import Groups
 from porous_swim.obstacles.field import ObstacleField
 
 FREE, BOUND, CONTACT = 0, 1, 2  # states of a swimmer: in no encounter; above the contact band; in contact

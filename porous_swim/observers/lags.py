@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from porous_swim.core.state import State
-from porous_swim.engine.kernel.survey import Groups
+from porous_swim.engine.kernel.ensemble_sums import Groups
 from porous_swim.engine.windows import longest_lag
 from porous_swim.observers.base import Every, Frame, Observer
 

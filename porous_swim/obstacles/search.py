@@ -81,10 +81,10 @@ def make_note(model: Model):
         if ti.static(not model.sphere):
             if distance < found.first:
                 found.third = ti.min(found.third, found.second)
-                found.mate, found.mate_image = found.near, found.image
+                found.partner, found.partner_image = found.near, found.image
             elif distance < found.second:
                 found.third = ti.min(found.third, found.second)
-                found.mate, found.mate_image = j, origin + shift
+                found.partner, found.partner_image = j, origin + shift
             else:
                 found.third = ti.min(found.third, distance)
         if distance < found.first:
@@ -107,7 +107,7 @@ def make_search(model: Model):
     The swimmer is at offset y from image `image` of colloid k.
 
     The result holds the nearest colloid, its image, the distances to the nearest and second nearest surface, and the
-    colloid into which the swimmer reaches deepest, with the depth (negative: free). Of a rod also its `mate`, the
+    colloid into which the swimmer reaches deepest, with the depth (negative: free). Of a rod also its `partner`, the
     second nearest, and the distance to the third nearest, up to TOUCHED. Distances in a.
     """
     real, dimensions, sphere = model.real, model.dimensions, model.sphere
@@ -119,7 +119,7 @@ def make_search(model: Model):
         none = vec(0, 0, 0)
         return record(
             near=-1, image=none, first=real(1e30), second=real(1e30), deep=-1, deep_image=none, depth=real(-1e30),
-            mate=-1, mate_image=none, third=real(TOUCHED),
+            partner=-1, partner_image=none, third=real(TOUCHED),
         )  # fmt: skip
 
     @ti.func

@@ -46,7 +46,7 @@ def tableau() -> np.ndarray:
 def make_motion(model: Model):
     """Return `rate(x, e, around, law, mode) -> velocity, director rate, push, pinch`.
 
-    `around` holds A, mate and mate_A: x is the offset from a sphere of radius A and x + mate that from one
+    `around` holds A, partner and mate_A: x is the offset from a sphere of radius A and x + partner that from one
     of mate_A. Whatever holds a swimmer, `push` is the speed at which the wall has to hold it off, and `pinch` the
     lesser of the two speeds at which it is drawn across the middle between the colloids: either holds while it is
     positive.
@@ -70,8 +70,8 @@ def make_motion(model: Model):
     def rate(x, e, around, law, mode):
         velocity, turning, push = beside(x, e, around.A, law, mode == int(Mode.HELD))
         # between two colloids: the mean of the two motions that stays there (Filippov)
-        r = x + around.mate
-        velocity1, turning1, _ = beside(r, e, around.mate_A, law, False)
+        r = x + around.partner
+        velocity1, turning1, _ = beside(r, e, around.partner_A, law, False)
         across = to.normal(x, to.distance(x)) - to.normal(r, to.distance(r))
         out, back = across.dot(velocity), -across.dot(velocity1)
         between = mode == int(Mode.BETWEEN)

@@ -13,7 +13,7 @@ Surface = Literal["sphere", "plane"]  # of obstacles
 Variates = Literal["gaussian", "uniform"]
 
 
-def has_mates(shape: str, integrator: str) -> bool:
+def has_partners(shape: str, integrator: str) -> bool:
     """Whether lanes know a second colloid: those of rods, whose contact with it depends on how they stand to it."""
     return shape in ("rod", "needle") and integrator != "located"
 
@@ -55,6 +55,6 @@ class Model:
         return self.integrator == "reflected"
 
     @property
-    def mates(self) -> bool:
+    def partners(self) -> bool:
         """Whether lanes know a second colloid."""
-        return has_mates(self.shape, self.integrator)
+        return has_partners(self.shape, self.integrator)

@@ -12,7 +12,7 @@ from porous_swim.engine.spill import AT_ONCE, PIECE
 from porous_swim.engine.windows import n_levels
 from porous_swim.observers.rerun.recording import recording_size
 from porous_swim.physics.contact import shape_of
-from porous_swim.physics.model import has_mates
+from porous_swim.physics.model import has_partners
 from porous_swim.scene.scene import Scene
 
 # Measured as peaks of resident memory: see docs/performance.md.
@@ -58,8 +58,8 @@ def bytes_per_swimmer(scene: Scene) -> tuple[int, int]:
     d, real = scene.domain.dimensions, _REAL[scene.precision]
     located = scene.integrator == "located"
     is_round = scene.obstacles.ROUND  # whatever their radii: they are not placed yet
-    mates = has_mates(shape_of(scene.swimmers.aspect_ratio, 1.0 if is_round else math.inf), scene.integrator)
-    rows = real_rows(d, located=located).n_memory, n_ints(located=located, mates=mates, n_sets=1)
+    partners = has_partners(shape_of(scene.swimmers.aspect_ratio, 1.0 if is_round else math.inf), scene.integrator)
+    rows = real_rows(d, located=located).n_memory, n_ints(located=located, partners=partners, n_sets=1)
     origins = n_levels(scene.n_frames, burn_in=scene.burn_in_frames) * (3 * d * real + 4 * 4)
     return rows[0] * real + rows[1] * 4 + len(Long) * 8, origins
 

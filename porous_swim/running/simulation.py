@@ -16,9 +16,9 @@ from porous_swim.engine import backend
 from porous_swim.engine.backend import Backend
 from porous_swim.engine.dynamics import Tuning
 from porous_swim.engine.engine import Engine
-from porous_swim.engine.kernel.survey import Groups
+from porous_swim.engine.kernel.ensemble_sums import Groups
 from porous_swim.engine.probe import height_at_sine
-from porous_swim.engine.recent_events import News
+from porous_swim.engine.recent_events import RecentEvents
 from porous_swim.engine.windows import Windows, n_levels
 from porous_swim.observers.base import BOUND, CONTACT, FREE, Counts, Ensemble, Frame
 from porous_swim.obstacles.field import ObstacleField
@@ -95,7 +95,7 @@ class Simulation:
         events = self._keeps_events if events is None else events and self._keeps_events
         everyone = self.everyone() if everyone is None else everyone
         now = self.engine.snapshot(n)
-        new, under_way = self.engine.news() if events else (News.joined([]), np.zeros(0))
+        new, under_way = self.engine.news() if events else (RecentEvents.joined([]), np.zeros(0))
         least = height_at_sine(now.pitch_sine, now.radius, aspect_ratio=self.scene.swimmers.aspect_ratio)
         low = now.height <= least + max(self.scene.encounter.contact_band, self.engine.tolerance)
         state = np.where(now.bound, np.where(low, CONTACT, BOUND), FREE).astype(np.uint8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from porous_swim.engine.kernel.budget import PAIRED_WITHIN
+from porous_swim.engine.kernel.budget import PARTNER_WITHIN
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.running.dynamics import lowest_flight
 from porous_swim.scene.scene import Scene
@@ -40,7 +40,7 @@ def pair_share(scene: Scene, field: ObstacleField) -> float:
     direction[:, :d] = rng.normal(size=(_POINTS, d))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     points = field.centers[colloid] + (field.radii[colloid] + gamma)[:, None] * direction
-    reach = 1.0 + scene.encounter.contact_band + PAIRED_WITHIN
+    reach = 1.0 + scene.encounter.contact_band + PARTNER_WITHIN
     point, near, offset = field.near(points, reach)
     height, _ = field.stance(offset, direction[point], near)
     inside = np.bincount(point[height < gamma - 1e-6], minlength=_POINTS) > 0

@@ -8,7 +8,7 @@ import taichi as ti
 from porous_swim.engine import backend
 from porous_swim.engine.encounter_log import Records
 from porous_swim.engine.kernel import record as record_module
-from porous_swim.engine.kernel.log import LogLong, log_columns
+from porous_swim.engine.kernel.device_log import LogLong, log_columns
 from porous_swim.engine.kernel.record import checked, make_record
 from porous_swim.engine.kernel.state import real_rows
 from porous_swim.physics.model import Model

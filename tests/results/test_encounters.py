@@ -17,8 +17,8 @@ import porous_swim as ps
 from porous_swim.analysis import summarize
 from porous_swim.core.errors import ResultsError, RunError
 from porous_swim.engine import engine as engine_module
-from porous_swim.engine.kernel.log import LogInt, LogLong
-from porous_swim.engine.spill import RowStore, row_type
+from porous_swim.engine.kernel.device_log import LogInt, LogLong
+from porous_swim.engine.spill import Spill, row_type
 from porous_swim.results import encounter_table as encounters_module
 from porous_swim.results.encounter_table import ENCOUNTERS, ROWS, Encounters
 from porous_swim.results.tables import TIMESERIES_SCHEMA, TableInfo, make_table, write_table
@@ -40,7 +40,7 @@ def log_rows(n: int, *, seed: int, real: type = np.float32) -> np.ndarray:
 @pytest.mark.parametrize("on_disk", [False, True])
 def test_a_store_returns_every_row_once_and_all_rows_of_a_swimmer_together(tmp_path, on_disk: bool) -> None:
     path = tmp_path / ROWS if on_disk else None
-    store = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
+    store = Spill(N_SWIMMERS, path, piece=500, at_once=400)
     added = [log_rows(n, seed=seed) for seed, n in enumerate((130, 0, 900, 501, 77, 499), start=1)]
     for rows in added:
         store.add(rows)
@@ -65,7 +65,7 @@ def test_a_store_that_takes_over_from_another_one_returns_the_rows_of_both(tmp_p
     before, after = (
         [log_rows(n, seed=seed + 10 * part) for seed, n in enumerate((130, 900, 501, 77))] for part in (1, 2)
     )
-    first = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
+    first = Spill(N_SWIMMERS, path, piece=500, at_once=400)
     assert first.state() == {}
     for rows in before:
         first.add(rows)
@@ -73,7 +73,7 @@ def test_a_store_that_takes_over_from_another_one_returns_the_rows_of_both(tmp_p
     assert (len(state["bytes"]) > 1, len(state["real"]) < 500) == (on_disk, on_disk)
     for rows in after[:3]:
         first.add(rows)  # lost with it
-    second = RowStore(N_SWIMMERS, path, piece=500, at_once=400)
+    second = Spill(N_SWIMMERS, path, piece=500, at_once=400)
     second.add(after[0])  # of the beginning, which the state replaces
     second.restore(state)
     for rows in after:
@@ -84,14 +84,14 @@ def test_a_store_that_takes_over_from_another_one_returns_the_rows_of_both(tmp_p
     assert np.array_equal(found, expected)
     if on_disk:
         with pytest.raises(RunError, match=r"other: expected [0-9,]+ bytes of encounters on disk, found 0"):
-            RowStore(N_SWIMMERS, tmp_path / "other").restore(state)
+            Spill(N_SWIMMERS, tmp_path / "other").restore(state)
 
 
 def test_a_full_disk_is_named(tmp_path, monkeypatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    store = RowStore(N_SWIMMERS, tmp_path / ROWS, piece=10)
+    store = Spill(N_SWIMMERS, tmp_path / ROWS, piece=10)
     monkeypatch.setattr(Path, "open", full)
     with pytest.raises(RunError, match=r"encounters\.rows: the encounters cannot be written: No space left"):
         store.add(log_rows(20, seed=1))
@@ -159,12 +159,12 @@ def test_one_swimmer_in_three_stands_for_a_run_of_a_third(on_disk) -> None:
 def test_a_run_with_its_log_on_disk_leaves_what_one_in_memory_leaves(tmp_path, monkeypatch) -> None:
     scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
     kept = ps.run(scene)
-    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(RowStore, piece=100, at_once=64))
+    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(Spill, piece=100, at_once=64))
     monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
     monkeypatch.setattr(encounters_module, "MANY", 100)
     writes: list[int] = []
-    write = RowStore._write
-    monkeypatch.setattr(RowStore, "_write", lambda store, rows: (writes.append(len(rows)), write(store, rows))[1])
+    write = Spill._write
+    monkeypatch.setattr(Spill, "_write", lambda store, rows: (writes.append(len(rows)), write(store, rows))[1])
     spilled = ps.run(scene, out=tmp_path / "run", recording=False)
     assert isinstance(spilled.stored.source, Path)
     assert len(writes) > 3
@@ -180,7 +180,7 @@ def test_a_run_with_its_log_on_disk_leaves_what_one_in_memory_leaves(tmp_path, m
 
 
 def test_a_log_that_was_cut_short_is_no_shorter_table(tmp_path) -> None:
-    store = RowStore(N_SWIMMERS, tmp_path / ROWS, piece=100, at_once=50)
+    store = Spill(N_SWIMMERS, tmp_path / ROWS, piece=100, at_once=50)
     store.add(log_rows(300, seed=1))
     with (tmp_path / ROWS).open("r+b") as file:
         file.truncate(100 * log_rows(1, seed=1).itemsize)
@@ -192,12 +192,12 @@ def test_a_log_that_was_cut_short_is_no_shorter_table(tmp_path) -> None:
 def test_a_disk_that_is_full_for_the_log_leaves_what_was_seen(tmp_path, monkeypatch, always: bool) -> None:
     scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
     kept = ps.run(scene)
-    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(RowStore, piece=100, at_once=64))
+    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(Spill, piece=100, at_once=64))
     monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
     begun: list[int] = []
-    write, written = RowStore._write, Encounters.written
+    write, written = Spill._write, Encounters.written
 
-    def full(store: RowStore, rows: np.ndarray) -> tuple[int, np.dtype]:
+    def full(store: Spill, rows: np.ndarray) -> tuple[int, np.dtype]:
         begun.append(len(rows))
         if len(begun) < 2:
             return write(store, rows)
@@ -208,7 +208,7 @@ def test_a_disk_that_is_full_for_the_log_leaves_what_was_seen(tmp_path, monkeypa
             raise OSError(errno.ENOSPC, "No space left on device")
         return written(parts, path)
 
-    monkeypatch.setattr(RowStore, "_write", full)
+    monkeypatch.setattr(Spill, "_write", full)
     if always:
         monkeypatch.setattr(Encounters, "written", no_room)
     with pytest.raises(RunError, match="cannot be written: no space"):

@@ -5,10 +5,10 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.attend import make_attend
+from porous_swim.engine.kernel.device_log import Log
+from porous_swim.engine.kernel.handle_events import make_handle_events
 from porous_swim.engine.kernel.lanes import make_lanes
 from porous_swim.engine.kernel.locate import make_locate
-from porous_swim.engine.kernel.log import Log
 from porous_swim.engine.kernel.move import make_step
 from porous_swim.engine.kernel.pairs import make_swap
 from porous_swim.engine.kernel.reflect import make_reflect
@@ -22,7 +22,7 @@ from porous_swim.physics.model import Model
 def make_mover(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the model's integrator.
 
-    `swimmer` holds the number of the swimmer in each lane; `n_pairs` is 0 where none of them has a mate.
+    `swimmer` holds the number of the swimmer in each lane; `n_pairs` is 0 where none of them has a partner.
     """
     return {"euler": make_step, "reflected": make_reflect, "located": make_locate}[model.integrator](model)
 
@@ -30,8 +30,8 @@ def make_mover(model: Model):
 @cache
 def make_advance(model: Model):
     """Compile `advance(...)`, which moves every swimmer to the end of the launch, or until the log is full."""
-    real, lanes, mates, rows = model.real, model.lanes, model.mates, rows_of(model)
-    step, attend_all = make_mover(model), make_attend(model)
+    real, lanes, partners, rows = model.real, model.lanes, model.partners, rows_of(model)
+    step, handle_all_events = make_mover(model), make_handle_events(model)
     (load, store), (swap, _) = make_lanes(model), make_swap(model)
     Wide, WideInt = ti.types.vector(lanes, real), ti.types.vector(lanes, ti.i32)
     reals, ints, longs = (ti.types.ndarray(t, ndim=2) for t in (real, ti.i32, ti.i64))
@@ -64,12 +64,12 @@ def make_advance(model: Model):
                 n[LaneInt.SWIMMER], n[Int.EVENT] = WideInt(-1), WideInt(int(Event.HALT))
                 busy = 1
                 while busy != 0:
-                    attend_all(f, n, swimmers, medium, log, rules)
+                    handle_all_events(f, n, swimmers, medium, log, rules)
                     busy, moving, n_pairs = 0, 0, 0
                     for j in range(lanes):
                         if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
                             moving = 1
-                            if ti.static(mates):
+                            if ti.static(partners):
                                 n_pairs += n[LaneInt.PAIRED][j]
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
                             store(f, n, j, swimmers, first)
@@ -81,7 +81,7 @@ def make_advance(model: Model):
                         busy = 1
                         for _ in range(chunk):
                             step(f, n, ti.cast(n[LaneInt.SWIMMER], ti.u32), swimmers, medium, rules, n_steps, n_pairs)
-                            if ti.static(mates):
+                            if ti.static(partners):
                                 swap(f, n, n_pairs)
 
     return advance

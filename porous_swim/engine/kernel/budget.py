@@ -10,7 +10,7 @@ from porous_swim.engine.kernel.state import Int, LaneInt, Phase
 from porous_swim.engine.kernel.swimmers import image_of, put_image, same, touched_image
 from porous_swim.physics.model import Model
 
-PAIRED_WITHIN = 0.2  # a, beyond reach: nearer a rod has the second nearest colloid for its mate
+PARTNER_WITHIN = 0.2  # a, beyond reach: nearer a rod has the second nearest colloid for its partner
 
 
 @ti.func
@@ -23,27 +23,27 @@ def no_news(n: ti.template(), j, i, swimmers: ti.template(), k, image):
 
 @cache
 def make_choose_mate(model: Model):
-    """Return `choose_mate(i, swimmers, found, rules) -> reach, whether there is a mate`, for rods.
+    """Return `choose_partner(i, swimmers, found, rules) -> reach, whether there is a partner`, for rods.
 
     The reach is how far a rod may go until a colloid that its lane does not know may matter.
     """
-    real, mates = model.real, model.mates
+    real, partners = model.real, model.partners
 
     @ti.func
-    def choose_mate(i, swimmers: ti.template(), found, rules: ti.template()):
+    def choose_partner(i, swimmers: ti.template(), found, rules: ti.template()):
         # contact heights are at most 1
         band = real(1.0) + ti.max(rules.contact_band, rules.tolerance)
         reach, paired = found.second - band, False
-        if ti.static(mates):
+        if ti.static(partners):
             # cells list all that is within the escape height
             together = ti.min(found.third, rules.escape_height) - band
-            paired = (reach < real(PAIRED_WITHIN)) & (reach < together) & (found.mate >= 0)
-            swimmers.int[int(Int.MATE), i] = ti.select(paired, found.mate, -1)
-            put_image(swimmers, int(Int.MATE_IMAGE), i, found.mate_image)
+            paired = (reach < real(PARTNER_WITHIN)) & (reach < together) & (found.partner >= 0)
+            swimmers.int[int(Int.PARTNER), i] = ti.select(paired, found.partner, -1)
+            put_image(swimmers, int(Int.PARTNER_IMAGE), i, found.partner_image)
             reach = ti.select(paired, together, reach)
         return reach, paired
 
-    return choose_mate
+    return choose_partner
 
 
 @cache
@@ -52,8 +52,8 @@ def make_budget(model: Model):
 
     The budget is half of the lead of the nearest surface, so that no other can be nearer within it.
     """
-    real, mates, located, sphere = model.real, model.mates, model.located, model.sphere
-    rows, (_, put), choose_mate = rows_of(model), make_vectors(model), make_choose_mate(model)
+    real, partners, located, sphere = model.real, model.partners, model.located, model.sphere
+    rows, (_, put), choose_partner = rows_of(model), make_vectors(model), make_choose_mate(model)
 
     @ti.func
     def set_budget(
@@ -61,12 +61,12 @@ def make_budget(model: Model):
     ):  # fmt: skip
         budget = real(0.5) * (found.second - found.first)
         if ti.static(not sphere):
-            reach, mate = choose_mate(i, swimmers, found, rules)
-            if ti.static(mates):
+            reach, partner = choose_partner(i, swimmers, found, rules)
+            if ti.static(partners):
                 swaps = (
-                    mate
+                    partner
                     & no_news(n, j, i, swimmers, found.near, found.image)
-                    & no_news(n, j, i, swimmers, found.mate, found.mate_image)
+                    & no_news(n, j, i, swimmers, found.partner, found.partner_image)
                 )
                 # both may be the nearest: it is the third, beyond the list of the cell if need be, that must not be
                 lead = real(0.5) * (ti.min(found.third, rules.escape_height) - found.first)
@@ -74,14 +74,14 @@ def make_budget(model: Model):
             budget = ti.min(budget, reach)
         budget = ti.max(real(0.0), budget - rules.margin)
         if ti.static(not located):  # a later touch is that of the nearest
-            struck, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j).variable()
-            if ti.static(mates):
-                known = no_news(n, j, i, swimmers, struck, image)
+            touched_body, image = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j).variable()
+            if ti.static(partners):
+                known = no_news(n, j, i, swimmers, touched_body, image)
                 if known & no_news(n, j, i, swimmers, found.near, found.image):
-                    n[LaneInt.STRUCK][j], struck = found.near, found.near
-                    put_lane_image(n, LaneInt.STRUCK_IMAGE, j, found.image)
+                    n[LaneInt.TOUCHED_BODY][j], touched_body = found.near, found.near
+                    put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, found.image)
                     image = found.image
-            budget = ti.select(same(struck, image, found.near, found.image), budget, real(0.0))
+            budget = ti.select(same(touched_body, image, found.near, found.image), budget, real(0.0))
         f[rows.budget][j] = budget * budget
         put(f, rows.reference, j, y)
 

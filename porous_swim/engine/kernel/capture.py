@@ -36,7 +36,8 @@ def make_threshold(model: Model):
 def make_capture(model: Model):
     """Return `capture(f, n, j, i, swimmers, medium, rules, target)`, which opens an encounter.
 
-    `target` is the colloid, `k` and `image`; `struck` says whether it begins at the wall: it does not in a direct hop.
+    `target` is the colloid, `k` and `image`; `touched_body` says whether it begins at the wall: not in a
+    direct hop.
     """
     real, dimensions, reflected, located = model.real, model.dimensions, model.reflected, model.located
     rows, (get, _) = rows_of(model), make_vectors(model)
@@ -55,7 +56,7 @@ def make_capture(model: Model):
     @ti.func
     def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                 rules: ti.template(), target):  # fmt: skip
-        k, image, struck = target.k, target.image, target.struck
+        k, image, touched_body = target.k, target.image, target.touched_body
         count(i, swimmers, k, image)
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
@@ -69,13 +70,13 @@ def make_capture(model: Model):
         least = contact_height(s, f[rows.law.gamma][j], medium.radius[k])
         touch, low = h <= least + rules.tolerance, h
         if ti.static(reflected):  # the wall was touched within the step, and may have been left again
-            touch |= struck
-            low = ti.select(struck, ti.min(h, least), h)
+            touch |= touched_body
+            low = ti.select(touched_body, ti.min(h, least), h)
             r = to.at(r, R, medium.radius[k] + low)
         for d in ti.static(range(dimensions)):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
-        push = ti.select(struck, f[rows.push][j], real(0.0))
+        push = ti.select(touched_body, f[rows.push][j], real(0.0))
         clear(f, j)
         f[rows.min_height][j], f[rows.max_height][j] = h, h
         threshold = threshold_at(swimmers, medium, i, k, f[rows.law.alpha][j], f[rows.law.gamma][j])

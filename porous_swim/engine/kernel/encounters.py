@@ -6,7 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.capture import make_capture
-from porous_swim.engine.kernel.log import make_log
+from porous_swim.engine.kernel.device_log import make_log
 from porous_swim.engine.kernel.rows import get_image, make_vectors, put_lane_image, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Long, Phase, Total
 from porous_swim.engine.kernel.swimmers import image_of, packed, same, touched_image, unpacked
@@ -32,65 +32,65 @@ def put_touched(n: ti.template(), j, i, swimmers: ti.template(), k, image):
 
 @cache
 def make_recall(model: Model):
-    """Return `recall(n, j, i, swimmers)`, which tells the lane what swimmer i has struck."""
+    """Return `recall(n, j, i, swimmers)`, which tells the lane what swimmer i has touched."""
     located = model.located
 
     @ti.func
     def recall(n: ti.template(), j, i, swimmers: ti.template()):
         k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i).variable()
         if ti.static(located):
-            k, image = swimmers.int[int(Int.STRUCK), i], image_of(swimmers, int(Int.STRUCK_IMAGE), i)
+            k, image = swimmers.int[int(Int.TOUCHED_BODY), i], image_of(swimmers, int(Int.TOUCHED_BODY_IMAGE), i)
         elif n[Int.EVENT][j] & int(Event.CONTACT):  # which waits for room in the log
             k = swimmers.int[int(Int.TOUCHED), i]
             image = unpacked(swimmers.int[int(Int.TOUCHED_IMAGE), i], base_image(n, j, i, swimmers))
-        n[LaneInt.STRUCK][j] = k
-        put_lane_image(n, LaneInt.STRUCK_IMAGE, j, image)
+        n[LaneInt.TOUCHED_BODY][j] = k
+        put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, image)
 
     return recall
 
 
 @cache
-def make_orient(model: Model):
-    """Return `orient(f, n, j, i, swimmers, medium)`.
+def make_refresh_neighbours(model: Model):
+    """Return `refresh_neighbours(f, n, j, i, swimmers, medium)`.
 
-    It makes the lane's relations between its nearest colloid, its mate and the colloid of its encounter.
+    It makes the lane's relations between its nearest colloid, its partner and the colloid of its encounter.
     """
-    real, located, mates, rows = model.real, model.located, model.mates, rows_of(model)
+    real, located, partners, rows = model.real, model.located, model.partners, rows_of(model)
     _, put = make_vectors(model)
     between = make_between(model)
 
     @ti.func
-    def orient(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
+    def refresh_neighbours(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template()):
         k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i).variable()
         t, image_t = swimmers.int[int(Int.TOUCHED), i], touched_image(swimmers, i)
         none = b < 0
         b, image_b = ti.select(none, k, b), pick(none, image, image_b)
-        struck, image_s = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+        touched_body, image_s = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j)
         bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
         own = bound & same(k, image, b, image_b)
-        known = same(struck, image_s, b, image_b) | same(struck, image_s, t, image_t)
+        known = same(touched_body, image_s, b, image_b) | same(touched_body, image_s, t, image_t)
         news = (not bound) | (not known)
         awaited = (n[LaneInt.PHASE][j] != int(Phase.FREE)) & (swimmers.long[int(Long.PITCH), i] < 0)
         f[rows.A][j], f[rows.bound_A][j] = medium.radius[k], medium.radius[b]
         put(f, rows.bound_offset, j, between(medium, b, image_b, k, image))
-        if ti.static(located or mates):
-            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i).variable()
-            if ti.static(mates):
+        if ti.static(located or partners):
+            m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i).variable()
+            if ti.static(partners):
                 own_m, mate_t = same(m, image_m, b, image_b), same(m, image_m, t, image_t)
                 n[LaneInt.PAIRED][j] = ti.cast(m >= 0, ti.i32)
-                n[LaneInt.MATE_OWN][j] = ti.cast(bound & (m >= 0) & own_m, ti.i32)
-                n[LaneInt.MATE_KNOWN][j] = ti.cast(bound & (m >= 0) & (own_m | mate_t), ti.i32)
+                n[LaneInt.PARTNER_OWN][j] = ti.cast(bound & (m >= 0) & own_m, ti.i32)
+                n[LaneInt.PARTNER_KNOWN][j] = ti.cast(bound & (m >= 0) & (own_m | mate_t), ti.i32)
             else:
                 n[LaneInt.BETWEEN][j] = ti.cast(m >= 0, ti.i32)
             m, image_m = ti.select(m < 0, k, m), pick(m < 0, image, image_m)
-            f[rows.mate_A][j] = medium.radius[m]
-            put(f, rows.mate_offset, j, between(medium, m, image_m, k, image))
+            f[rows.partner_A][j] = medium.radius[m]
+            put(f, rows.partner_offset, j, between(medium, m, image_m, k, image))
         n[LaneInt.OWN][j] = ti.cast(own, ti.i32)
         n[LaneInt.WATCH_CONTACT][j] = ti.cast(news, ti.i32)
         n[LaneInt.WATCH_PITCH][j] = ti.cast(awaited & (f[rows.law.escape_sine][j] < real(1.0)), ti.i32)
 
-    return orient
+    return refresh_neighbours
 
 
 @cache
@@ -99,7 +99,7 @@ def make_encounters(model: Model):
 
     What needs a row of the log stays pending while the log is full.
     """
-    real, located, mates = model.real, model.located, model.mates
+    real, located, partners = model.real, model.located, model.partners
     rows, (get, _) = rows_of(model), make_vectors(model)
     between, to = make_between(model), make_surface(model)
     capture, log_row = make_capture(model), make_log(model)
@@ -119,11 +119,11 @@ def make_encounters(model: Model):
     def encounters(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
         event, phase = n[Int.EVENT][j], n[LaneInt.PHASE][j]
-        if ti.static(mates):  # what is no news may become news
+        if ti.static(partners):  # what is no news may become news
             f[rows.budget][j] = real(0.0)
         step = rules.first + n[Int.STEP][j]
         escaped = (event & int(Event.ESCAPE)) != 0
-        passed, struck = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0
+        passed, touched_body = (event & int(Event.PITCH)) != 0, (event & int(Event.CONTACT)) != 0
         bound = phase == int(Phase.BOUND)
         if passed & bound:
             swimmers.long[int(Long.PITCH), i] = step
@@ -135,12 +135,12 @@ def make_encounters(model: Model):
             f[rows.max_height][j] = ti.max(f[rows.max_height][j], rules.escape_height)
         if escaped | late:
             written = log_row(f, n, j, i, swimmers, log, step, late)
-        k, image = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+        k, image = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j)
         # before an escape in the same step, as the next encounter begins at the last touched; or until the log has room
-        if struck & (bound | (not written)):
+        if touched_body & (bound | (not written)):
             put_touched(n, j, i, swimmers, k, image)
         if written:
-            n[Int.EVENT][j] = int(Event.ORIENT)
+            n[Int.EVENT][j] = int(Event.REFRESH)
             target, target_image = -1, vec(0, 0, 0).variable()
             if late:
                 swimmers.long[int(Long.PITCH), i] = step
@@ -155,10 +155,10 @@ def make_encounters(model: Model):
                     target_image = touched_image(swimmers, i)
                 swimmers.int[int(Int.TOUCHED), i] = -1
             n[LaneInt.PHASE][j] = phase
-            if struck & (not bound):
+            if touched_body & (not bound):
                 target, target_image = k, image
             if target >= 0:
-                begun = record(k=target, image=target_image, struck=struck)
+                begun = record(k=target, image=target_image, touched_body=touched_body)
                 capture(f, n, j, i, swimmers, medium, rules, begun)
 
     return encounters

@@ -17,7 +17,7 @@ from porous_swim.physics.model import Model
 @cache
 def make_lanes(model: Model):
     """Return `load` and `store`, between memory and lane j of a block."""
-    real, located, mates, flights = model.real, model.located, model.mates, model.flights
+    real, located, partners, flights = model.real, model.located, model.partners, model.flights
     rows, middle = rows_of(model), clock_of_events(model.integrator)
     numbers = tuple((getattr(rows.law, name), column) for column, name in enumerate(model.numbers))
     threshold, recall = make_threshold(model), make_recall(model)
@@ -40,7 +40,7 @@ def make_lanes(model: Model):
             f[rows.clock][j] = ti.select(rules.first + n[Int.STEP][j] > 0, real(middle), real(0.0))
         recall(n, j, i, swimmers)
         n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
-        n[Int.EVENT][j] |= int(Event.ORIENT)
+        n[Int.EVENT][j] |= int(Event.REFRESH)
         n[LaneInt.SWIMMER][j], n[LaneInt.SWAPPED][j] = i, 0
         if ti.static(flights):  # launches begin where flights may
             n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
@@ -50,15 +50,15 @@ def make_lanes(model: Model):
         """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
         i = n[LaneInt.SWIMMER][j]
         if i >= 0:
-            if ti.static(mates):
+            if ti.static(partners):
                 sync(n, j, i, swimmers)
             for row in ti.static(range(rows.n_shared)):
                 swimmers.real[row, i] = f[row][j]
             swimmers.int[int(Int.STEP), i] = n[Int.STEP][j]
             swimmers.int[int(Int.EVENT), i] = n[Int.EVENT][j] | n[LaneInt.PHASE][j] << PHASE_BIT
             if ti.static(located):
-                swimmers.int[int(Int.STRUCK), i] = n[LaneInt.STRUCK][j]
-                put_image(swimmers, int(Int.STRUCK_IMAGE), i, get_image(n, LaneInt.STRUCK_IMAGE, j))
+                swimmers.int[int(Int.TOUCHED_BODY), i] = n[LaneInt.TOUCHED_BODY][j]
+                put_image(swimmers, int(Int.TOUCHED_BODY_IMAGE), i, get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j))
             if n[LaneInt.RELEASE][j] >= 0:
                 swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
             swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]

@@ -5,10 +5,10 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.book import make_book
+from porous_swim.engine.kernel.commit import make_commit
 from porous_swim.engine.kernel.move import FAR
+from porous_swim.engine.kernel.resolve_contacts import BETWEEN
 from porous_swim.engine.kernel.rows import make_law, make_vectors, rows_of
-from porous_swim.engine.kernel.settle import BETWEEN
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Phase
 from porous_swim.engine.kernel.swimmers import image_of, same
 from porous_swim.obstacles.search import make_search
@@ -54,9 +54,9 @@ def make_passed(model: Model):
             place = vec(*[x[d] for d in ti.static(range(dimensions))])
             heading = vec(*[e[d] for d in ti.static(range(dimensions))])
             found = search.run(medium, k, image, place, heading, f[rows.law.gamma][j])
-            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
-            mate = (mode == int(Mode.BETWEEN)) & same(m, image_m, found.near, found.image)
-            other = not (same(k, image, found.near, found.image) | mate)
+            m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i)
+            partner = (mode == int(Mode.BETWEEN)) & same(m, image_m, found.near, found.image)
+            other = not (same(k, image, found.near, found.image) | partner)
         return other
 
     @ti.func
@@ -101,17 +101,17 @@ def make_modes(model: Model):
         _, _, push, pinch = rate(x, e, around, law, int(Mode.FREE))
         held = (R - around.A - least <= real(AT_WALL) * R) & (push >= real(0.0))
         mode = ti.select(held, int(Mode.HELD), int(Mode.FREE))
-        r = x + around.mate
-        level = ti.abs(R - around.A - to.distance(r) + around.mate_A) <= real(BETWEEN)
+        r = x + around.partner
+        level = ti.abs(R - around.A - to.distance(r) + around.partner_A) <= real(BETWEEN)
         between = (n[LaneInt.BETWEEN][j] != 0) & (not held) & level & (pinch > real(0.0))
         return ti.select(between, int(Mode.BETWEEN), mode), push
 
     @ti.func
     def level(x, around):
-        r = x + around.mate
+        r = x + around.partner
         R, R1 = to.distance(x), to.distance(r)
         across = to.normal(x, R) - to.normal(r, R1)
-        return x - ((R - around.A - R1 + around.mate_A) / across.dot(across)) * across
+        return x - ((R - around.A - R1 + around.partner_A) / across.dot(across)) * across
 
     return mode_of, level
 
@@ -143,7 +143,7 @@ def make_travel(model: Model):
     def travel(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                rules: ti.template(), whole):  # fmt: skip
         x0, e0, law = get(f, rows.x, j), get(f, rows.e, j), law_of(f, j)
-        around = record(A=f[rows.A][j], mate=get(f, rows.mate_offset, j), mate_A=f[rows.mate_A][j])
+        around = record(A=f[rows.A][j], partner=get(f, rows.partner_offset, j), partner_A=f[rows.partner_A][j])
         mode, push0 = mode_of(f, n, j, x0, e0, around, law)
         started_low = is_low(f, j, rules, x0, e0)
         x, e, pushed, distance, other = x0, e0, real(0.0), real(0.0), get(f, rows.bound_offset, j)
@@ -188,7 +188,7 @@ def make_travel(model: Model):
 def make_locate(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
     real, rows, (get, (_, put)) = model.real, rows_of(model), (make_get(model), make_vectors(model))
-    travel, book, to = make_travel(model), make_book(model), make_surface(model)
+    travel, commit, to = make_travel(model), make_commit(model), make_surface(model)
     height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
@@ -213,6 +213,6 @@ def make_locate(model: Model):
             n[Int.EVENT][j] |= ti.select(within, 0, int(Event.FINISH))
             if ti.static(not model.sphere):  # within its budget a rod is out of contact with every other colloid
                 least = ti.select(n[LaneInt.OWN][j] != 0, least, real(-FAR))
-            book(f, n, within, rules, least)
+            commit(f, n, within, rules, least)
 
     return step

@@ -5,7 +5,7 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.book import make_book
+from porous_swim.engine.kernel.commit import make_commit
 from porous_swim.engine.kernel.pairs import make_pair
 from porous_swim.engine.kernel.rows import make_law, make_wide, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt
@@ -33,25 +33,25 @@ def make_end(model: Model):
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
     and those of lanes that have a 1 in `needs`. `least` is the contact height of the trial above the nearest colloid,
-    or above a mate whose encounter it is.
+    or above a partner whose encounter it is.
     """
-    real, sphere, mates = model.real, model.sphere, model.mates
-    rows, (whole, _), book = rows_of(model), make_wide(model), make_book(model)
+    real, sphere, partners = model.real, model.sphere, model.partners
+    rows, (whole, _), commit = rows_of(model), make_wide(model), make_commit(model)
 
     @ti.func
     def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
         moved = whole(f, rows.trial_x) - whole(f, rows.reference)
         within = moved.dot(moved) <= f[rows.budget]  # false for a position that is not finite
-        if ti.static(mates):
+        if ti.static(partners):
             within = within & (needs == 0)
         n[Int.EVENT] = n[Int.EVENT] | ti.select(on & (not within), int(Event.FINISH), 0)
         if ti.static(sphere):
-            book(f, n, on & within, rules, least)
+            commit(f, n, on & within, rules, least)
         else:  # within its budget a rod is out of contact with every other colloid
             own = n[LaneInt.OWN] != 0
-            if ti.static(mates):
-                own = own | (n[LaneInt.MATE_OWN] != 0)
-            book(f, n, on & within, rules, ti.select(own, least, real(-FAR)))
+            if ti.static(partners):
+                own = own | (n[LaneInt.PARTNER_OWN] != 0)
+            commit(f, n, on & within, rules, ti.select(own, least, real(-FAR)))
 
     return end
 
@@ -59,7 +59,7 @@ def make_end(model: Model):
 @cache
 def make_step(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
-    real, mates, rows = model.real, model.mates, rows_of(model)
+    real, partners, rows = model.real, model.partners, rows_of(model)
     (whole, put_whole), (law, _) = make_wide(model), make_law(model)
     integrate, pair, end = make_euler(model), make_pair(model), make_end(model)
     contact_height, to = HardContact.make_height(model), make_surface(model)
@@ -89,7 +89,7 @@ def make_step(model: Model):
         put_whole(f, rows.trial_rest, rest)
         put_whole(f, rows.trial_e, e)
         n[LaneInt.TOUCH] = ti.cast(touch, ti.i32)
-        if ti.static(mates):
+        if ti.static(partners):
             least_own, needs = pair(f, n, n_pairs, least)
             end(f, n, on, rules, least_own, needs)
         else:

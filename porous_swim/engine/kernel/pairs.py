@@ -1,8 +1,8 @@
 """Contact of rods with a second colloid, in lanes: straight-line code on wide values, as in `move`.
 
-A rod held between two spheres touches both at nearly every step. Its lane then knows the second one, too, its mate, and
-looks for nobody else while no third can be touched. What it finds is what `resolve` finds; the rare cases in which it
-finds nothing, and a touch that is news, are left to that.
+A rod held between two spheres touches both at nearly every step. Its lane then knows the second one, too, its
+partner, and looks for nobody else while no third can be touched. What it finds is what `outside`
+finds; the rare cases in which it finds nothing, and a touch that is news, are left to that.
 """
 
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
@@ -26,11 +26,11 @@ NEAR = 1e-4  # a, the last of them: what is left is its square over the distance
 
 @cache
 def make_pair(model: Model):
-    """Return `pair(f, n, n_pairs, least)`, which puts trial moves outside of the mate, too, if any lane has one.
+    """Return `pair(f, n, n_pairs, least)`, which puts trial moves outside of the partner, too, if any lane has one.
 
     The trial obeys contact with the nearest colloid, `least` is its contact height there. It returns the contact height
     above the colloid of the encounter, where that is one of the two, else `least`; and 1 in the lanes whose trial has
-    to be settled. The push of a mate whose encounter it is is added to that of the trial.
+    to be settled. The push of a partner whose encounter it is is added to that of the trial.
     """
     real, rows, (whole, put_whole) = model.real, rows_of(model), make_wide(model)
     height_and_slope, wedge = HardContact.make_rolled_height_and_slope(model), make_wedge(model)
@@ -54,13 +54,13 @@ def make_pair(model: Model):
     @ti.func
     def part(f: ti.template(), n: ti.template(), least):
         x, e = whole(f, rows.trial_x), whole(f, rows.trial_e)
-        A, A1, gamma, d = f[rows.A], f[rows.mate_A], f[rows.law.gamma], whole(f, rows.mate_offset)
+        A, A1, gamma, d = f[rows.A], f[rows.partner_A], f[rows.law.gamma], whole(f, rows.partner_offset)
         v1 = x + d
         R1 = to.distance(v1)
         least1, _ = height_and_slope(to.sine(v1, e, R1), gamma, A1)
         depth = A1 + least1 - R1
-        struck = (n[LaneInt.PAIRED] != 0) & (depth > real(0.0))
-        known = n[LaneInt.MATE_KNOWN] != 0
+        touched_body = (n[LaneInt.PAIRED] != 0) & (depth > real(0.0))
+        known = n[LaneInt.PARTNER_KNOWN] != 0
         z = x + to.along(v1, R1, depth)
         R = to.distance(z)
         above, _ = height_and_slope(to.sine(z, e, R), gamma, A)
@@ -68,10 +68,10 @@ def make_pair(model: Model):
         v, found = corner(z, e, d * real(-1.0), A, A1, gamma)
         push, push1 = wedge.pushes(v - x, v, v + d)
         push, push1 = ti.select(pinched, push, real(0.0)), ti.select(pinched, push1, depth)
-        touch_is_news = n[LaneInt.WATCH_CONTACT] != 0  # where the mate pushes the rod onto the nearest
-        good = struck & known & ((found & (not touch_is_news)) | (not pinched))
+        touch_is_news = n[LaneInt.WATCH_CONTACT] != 0  # where the partner pushes the rod onto the nearest
+        good = touched_body & known & ((found & (not touch_is_news)) | (not pinched))
         y = pick(pinched, v, z)
-        own, mate_own = n[LaneInt.OWN] != 0, n[LaneInt.MATE_OWN] != 0
+        own, mate_own = n[LaneInt.OWN] != 0, n[LaneInt.PARTNER_OWN] != 0
         more = ti.select(own, push, ti.select(mate_own, push1, real(0.0)))
         total = ti.max(f[rows.trial_push] + more, real(0.0))
         f[rows.trial_push] = ti.select(good, total, f[rows.trial_push])
@@ -82,7 +82,7 @@ def make_pair(model: Model):
         put_whole(f, rows.trial_x, pick(good, y, x))
         rest = whole(f, rows.trial_rest)
         put_whole(f, rows.trial_rest, pick(good, rest * real(0.0), rest))
-        return least_own, ti.select(struck & (not good), 1, 0)
+        return least_own, ti.select(touched_body & (not good), 1, 0)
 
     @ti.func
     def pair(f: ti.template(), n: ti.template(), n_pairs, least):
@@ -98,26 +98,26 @@ def make_pair(model: Model):
 def make_swap(model: Model):
     """Return `swap(f, n, n_pairs)` and `sync(n, j, i, swimmers)`.
 
-    The first makes the mate of each lane its nearest colloid where it is nearer; the second tells memory.
+    The first makes the partner of each lane its nearest colloid where it is nearer; the second tells memory.
     """
     rows, (whole, put_whole) = rows_of(model), make_wide(model)
 
     @ti.func
     def exchange(f: ti.template(), n: ti.template()):
-        x, d, bound = whole(f, rows.x), whole(f, rows.mate_offset), whole(f, rows.bound_offset)
+        x, d, bound = whole(f, rows.x), whole(f, rows.partner_offset), whole(f, rows.bound_offset)
         rest, reference = whole(f, rows.rest), whole(f, rows.reference)
-        A, A1, own, mate_own = f[rows.A], f[rows.mate_A], n[LaneInt.OWN], n[LaneInt.MATE_OWN]
+        A, A1, own, mate_own = f[rows.A], f[rows.partner_A], n[LaneInt.OWN], n[LaneInt.PARTNER_OWN]
         y = rounded(x + d)
-        known = (n[LaneInt.PAIRED] != 0) & (n[LaneInt.MATE_KNOWN] != 0) & (n[LaneInt.WATCH_CONTACT] == 0)
+        known = (n[LaneInt.PAIRED] != 0) & (n[LaneInt.PARTNER_KNOWN] != 0) & (n[LaneInt.WATCH_CONTACT] == 0)
         nearer = ti.sqrt(y.dot(y)) - A1 < ti.sqrt(x.dot(x)) - A
         other = known & nearer & (n[Int.EVENT] == 0)
         put_whole(f, rows.x, pick(other, y, x))
         put_whole(f, rows.rest, pick(other, rest + (d - (y - x)), rest))
         put_whole(f, rows.reference, pick(other, reference + d, reference))
         put_whole(f, rows.bound_offset, pick(other, bound - d, bound))
-        put_whole(f, rows.mate_offset, pick(other, d * -1.0, d))
-        f[rows.A], f[rows.mate_A] = ti.select(other, A1, A), ti.select(other, A, A1)
-        n[LaneInt.OWN], n[LaneInt.MATE_OWN] = ti.select(other, mate_own, own), ti.select(other, own, mate_own)
+        put_whole(f, rows.partner_offset, pick(other, d * -1.0, d))
+        f[rows.A], f[rows.partner_A] = ti.select(other, A1, A), ti.select(other, A, A1)
+        n[LaneInt.OWN], n[LaneInt.PARTNER_OWN] = ti.select(other, mate_own, own), ti.select(other, own, mate_own)
         n[LaneInt.SWAPPED] = ti.select(other, 1 - n[LaneInt.SWAPPED], n[LaneInt.SWAPPED])
 
     @ti.func
@@ -129,11 +129,11 @@ def make_swap(model: Model):
     def sync(n: ti.template(), j, i, swimmers: ti.template()):
         if n[LaneInt.SWAPPED][j] != 0:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-            m, image_m = swimmers.int[int(Int.MATE), i], image_of(swimmers, int(Int.MATE_IMAGE), i)
-            swimmers.int[int(Int.COLLOID), i], swimmers.int[int(Int.MATE), i] = m, k
+            m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i)
+            swimmers.int[int(Int.COLLOID), i], swimmers.int[int(Int.PARTNER), i] = m, k
             put_image(swimmers, int(Int.IMAGE), i, image_m)
-            put_image(swimmers, int(Int.MATE_IMAGE), i, image)
-            n[LaneInt.STRUCK][j], n[LaneInt.SWAPPED][j] = m, 0
-            put_lane_image(n, LaneInt.STRUCK_IMAGE, j, image_m)
+            put_image(swimmers, int(Int.PARTNER_IMAGE), i, image)
+            n[LaneInt.TOUCHED_BODY][j], n[LaneInt.SWAPPED][j] = m, 0
+            put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, image_m)
 
     return swap, sync

@@ -32,7 +32,7 @@ def checked(values: Mapping[str, Any], *kinds: type[Record]) -> Mapping[str, Any
     rows = {record.row for record in all_records() if isinstance(record, kinds)}
     names = " and ".join(kind.__name__ for kind in kinds)
     for row in sorted(rows - set(values)):
-        raise ValueError(f"no value is recorded for the row {row!r} of the encounter columns: give it one in book.py")
+        raise ValueError(f"no value is recorded for the row {row!r} of the encounter columns: give it one in commit.py")
     for row in sorted(set(values) - rows):
         raise ValueError(f"a value is recorded for {row!r}, which is no row of kind {names} of the encounter columns")
     return values

@@ -20,7 +20,7 @@ from porous_swim.physics.surface import make_surface
 @cache
 def make_reflect(model: Model):
     """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
-    real, mates, flights, rows = model.real, model.mates, model.flights, rows_of(model)
+    real, partners, flights, rows = model.real, model.partners, model.flights, rows_of(model)
     (whole, put_whole), (law_of, _) = make_wide(model), make_law(model)
     integrate, pair, end = make_reflected(model), make_pair(model), make_end(model)
     contact_height, to = HardContact.make_height(model), make_surface(model)
@@ -60,7 +60,7 @@ def make_reflect(model: Model):
         counts = (n[LaneInt.OWN] != 0) | (n[LaneInt.PHASE] != int(Phase.BOUND))
         f[rows.trial_push] = ti.select(counts, push, real(0.0))
         n[LaneInt.TOUCH] = ti.cast(push > real(0.0), ti.i32)
-        if ti.static(mates):
+        if ti.static(partners):
             least_own, needs = pair(f, n, n_pairs, least)
             end(f, n, on, rules, least_own, needs)
         else:

@@ -55,8 +55,8 @@ def make_project(model: Model):
 
 
 @cache
-def make_resolve(model: Model):
-    """Return `resolve(medium, near, bound, y, y_old, e, gamma, tolerance) -> position, found, held`.
+def make_outside(model: Model):
+    """Return `outside(medium, near, bound, y, y_old, e, gamma, tolerance) -> position, found, held`.
 
     `near` and `bound` are colloids (`k` and `image`); `y` is an offset from the first. While the swimmer reaches into a
     colloid by more than the tolerance it is put on that colloid's contact surface, or, when it goes back and forth
@@ -80,7 +80,7 @@ def make_resolve(model: Model):
         )  # fmt: skip
 
     @ti.func
-    def book(held, j, image_j, back, push, push_other, bound):
+    def commit(held, j, image_j, back, push, push_other, bound):
         """Note how far j pushed, and the colloid before it, too, where both did."""
         again = same(j, image_j, held.last, held.last_image)
         own = ti.select(same(j, image_j, bound.k, bound.image), push, real(0.0))
@@ -92,7 +92,7 @@ def make_resolve(model: Model):
         held.last, held.last_image, held.push = j, image_j, mine
 
     @ti.func
-    def resolve(medium: ti.template(), near, bound, y_trial, y_old, e, gamma, tolerance):
+    def outside(medium: ti.template(), near, bound, y_trial, y_old, e, gamma, tolerance):
         y, held, found = y_trial.variable(), none(), search.empty()
         before = record(center=y * real(0.0), A=real(0.0), reach=real(0.0))  # the colloid that pushed last
         tries, inside, extra = 0, True, real(0.0)
@@ -117,7 +117,7 @@ def make_resolve(model: Model):
                 if ti.static(model.surface == "sphere"):  # noqa: SIM102 (known while compiling)
                     if back & (tries < MAX_PROJECTIONS):
                         push, push_other = wedge.pushes(moved, r, z - before.center)
-                book(held, j, image_j, back, push, push_other, bound)
+                commit(held, j, image_j, back, push, push_other, bound)
                 y, before = z, now
                 tries += 1
             elif inside:
@@ -125,4 +125,4 @@ def make_resolve(model: Model):
                 held.jammed = 1  # what is found there comes next, and ends this
         return y, found, held
 
-    return resolve
+    return outside

@@ -21,11 +21,11 @@ class Event(IntFlag):
     """What a lane waits for the scalar pass to do. A lane moves only while it waits for nothing."""
 
     LOCATE = 1  # find the nearest colloid of a newly placed swimmer
-    FINISH = 2  # the budget is spent: resolve contact with every colloid, search, book the step
+    FINISH = 2  # the budget is spent: resolve contact with every colloid, search, commit the step
     CONTACT = 4  # touches a colloid that is news to it
     ESCAPE = 8  # above the escape height
     PITCH = 16  # first passage of the escape pitch
-    ORIENT = 32  # its relations to the colloids around it are out of date
+    REFRESH = 32  # its relations to the colloids around it are out of date
     HALT = 64  # status is not OK: never moves again
 
 
@@ -43,11 +43,11 @@ class Int(IntEnum):
     TOUCHED_IMAGE = 11  # less that of the encounter, in one row: see `swimmers.packed`
     SET = 12  # row of the table of parameter sets; where there is more than one
     # where events are located, and of rods among spheres
-    MATE = 13  # of a swimmer between two colloids, the other one; -1 elsewhere
-    MATE_IMAGE = 14
+    PARTNER = 13  # of a swimmer between two colloids, the other one; -1 elsewhere
+    PARTNER_IMAGE = 14
     # where events are located only
-    STRUCK = 17
-    STRUCK_IMAGE = 18
+    TOUCHED_BODY = 17
+    TOUCHED_BODY_IMAGE = 18
 
 
 class LaneInt(IntEnum):
@@ -61,17 +61,17 @@ class LaneInt(IntEnum):
     N_CONTACT = 7  # steps in contact, of this launch
     RELEASE = 8  # step after which the wall was last touched, of this launch; -1 if none
     LOW = 9  # a located move began in the contact band
-    BETWEEN = 10  # there is a mate
+    BETWEEN = 10  # there is a partner
     SETTLED = 11  # the trial move has been settled and is to be booked
     SWIMMER = 12  # number of the swimmer in the lane; -1 if none
     TICKS = 13  # steps that the trial move takes at once: several in a flight far from every colloid
     AFTER = 14  # steps since the last one at which a flight may begin
-    STRUCK = 15  # the colloid that a contact is with: the nearest, but where several are touched
-    STRUCK_IMAGE = 16  # three rows
-    PAIRED = 19  # a rod's steps obey contact with a second colloid, too: its mate
-    MATE_OWN = 20  # which is that of the encounter
-    MATE_KNOWN = 21  # contact with it is no news
-    SWAPPED = 22  # it has become the nearest colloid, and that its mate; memory does not know yet
+    TOUCHED_BODY = 15  # the colloid that a contact is with: the nearest, but where several are touched
+    TOUCHED_BODY_IMAGE = 16  # three rows
+    PAIRED = 19  # a rod's steps obey contact with a second colloid, too: its partner
+    PARTNER_OWN = 20  # which is that of the encounter
+    PARTNER_KNOWN = 21  # contact with it is no news
+    SWAPPED = 22  # it has become the nearest colloid, and that its partner; memory does not know yet
 
 
 class Long(IntEnum):
@@ -101,9 +101,9 @@ PHASE_BIT = 8
 MIDDLE = -0.5  # clock of the middle of the step that is behind: when a path crosses a threshold, for all that is known
 
 
-def n_ints(*, located: bool, mates: bool, n_sets: int) -> int:
+def n_ints(*, located: bool, partners: bool, n_sets: int) -> int:
     """Rows of `Int` in memory, images taking three."""
-    return 21 if located else 17 if mates else 13 if n_sets > 1 else 12
+    return 21 if located else 17 if partners else 13 if n_sets > 1 else 12
 
 
 def clock_of_events(integrator: str) -> float | None:

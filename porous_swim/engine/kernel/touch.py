@@ -16,7 +16,7 @@ from porous_swim.physics.vectors import pick
 def make_touch(model: Model):
     """Return `strike(n, j, i, swimmers, found, tolerance, held, pushed)` and `push_off(f, n, j, k, image, held)`.
 
-    They name the colloid that is touched, and add up the push. `found` and `held` are those of `resolve`.
+    They name the colloid that is touched, and add up the push. `found` and `held` are those of `outside`.
     """
     real, reflected, rows = model.real, model.reflected, rows_of(model)
 
@@ -39,8 +39,8 @@ def make_touch(model: Model):
         other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
         k, image = ti.select(other, before, k), pick(other, before_image, image)
         other = bound & (last >= 0) & (not same(last, last_image, b, image_b))
-        n[LaneInt.STRUCK][j] = ti.select(other, last, k)
-        put_lane_image(n, LaneInt.STRUCK_IMAGE, j, pick(other, last_image, image))
+        n[LaneInt.TOUCHED_BODY][j] = ti.select(other, last, k)
+        put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, pick(other, last_image, image))
 
     @ti.func
     def push_off(f: ti.template(), n: ti.template(), j, k, image, held):
@@ -52,7 +52,7 @@ def make_touch(model: Model):
         if n[LaneInt.PHASE][j] == int(Phase.BOUND):
             push += held.own
         else:
-            s, image_s = n[LaneInt.STRUCK][j], get_image(n, LaneInt.STRUCK_IMAGE, j)
+            s, image_s = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j)
             push = ti.select(same(s, image_s, k, image), push, real(0.0))
             push += ti.select(same(s, image_s, held.last, held.last_image), held.push, real(0.0))
             push += ti.select(same(s, image_s, held.before, held.before_image), held.push_before, real(0.0))

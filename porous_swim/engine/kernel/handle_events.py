@@ -5,12 +5,12 @@ from functools import cache
 
 import taichi as ti
 
-from porous_swim.engine.kernel.book import make_book
-from porous_swim.engine.kernel.encounters import make_encounters, make_orient
+from porous_swim.engine.kernel.commit import make_commit
+from porous_swim.engine.kernel.encounters import make_encounters, make_refresh_neighbours
 from porous_swim.engine.kernel.locate import LOCATED_BAND
 from porous_swim.engine.kernel.pairs import make_swap
+from porous_swim.engine.kernel.resolve_contacts import make_resolve_contacts
 from porous_swim.engine.kernel.rows import make_vectors, make_wide, rows_of
-from porous_swim.engine.kernel.settle import make_settle
 from porous_swim.engine.kernel.state import Event, Int, LaneInt
 from porous_swim.physics.contact import HardContact
 from porous_swim.physics.model import Model
@@ -18,19 +18,20 @@ from porous_swim.physics.surface import make_surface
 
 
 @cache
-def make_attend(model: Model):
-    """Return `attend_all(f, n, swimmers, medium, log, rules)`, which does what the lanes wait for."""
-    real, lanes, located, mates = model.real, model.lanes, model.located, model.mates
+def make_handle_events(model: Model):
+    """Return `handle_all_events(f, n, swimmers, medium, log, rules)`, which does what the lanes wait for."""
+    real, lanes, located, partners = model.real, model.lanes, model.located, model.partners
     rows, (whole, _), (get, put) = rows_of(model), make_wide(model), make_vectors(model)
-    settle, book, orient, encounters = make_settle(model), make_book(model), make_orient(model), make_encounters(model)
+    resolve_contacts, commit = make_resolve_contacts(model), make_commit(model)
+    refresh_neighbours, encounters = make_refresh_neighbours(model), make_encounters(model)
     contact_height, to, (_, sync) = HardContact.make_rolled_height(model), make_surface(model), make_swap(model)
     WideInt = ti.types.vector(lanes, ti.i32)
 
     @ti.func
-    def attend(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def handle_events(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
-        if ti.static(mates):
+        if ti.static(partners):
             sync(n, j, i, swimmers)
         event = n[Int.EVENT][j]
         n[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
@@ -41,8 +42,8 @@ def make_attend(model: Model):
             band = rules.tolerance
             if ti.static(located):  # a swimmer released that near touches; later a touch is a touch
                 band = ti.select(event & int(Event.LOCATE), band, real(LOCATED_BAND))
-            settle(f, n, j, i, swimmers, medium, rules, band)
-        orient(f, n, j, i, swimmers, medium)
+            resolve_contacts(f, n, j, i, swimmers, medium, rules, band)
+        refresh_neighbours(f, n, j, i, swimmers, medium)
         if n[Int.EVENT][j] & int(Event.HALT) == 0:
             if event & int(Event.FINISH):
                 n[LaneInt.SETTLED][j] = 1
@@ -54,9 +55,9 @@ def make_attend(model: Model):
                     encounters(f, n, j, i, swimmers, medium, log, rules)
 
     @ti.func
-    def attend_all(f: ti.template(), n: ti.template(), swimmers: ti.template(), medium: ti.template(),
+    def handle_all_events(f: ti.template(), n: ti.template(), swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
-        """Settle and book; what comes of it; orient those whose encounter it changed."""
+        """Resolve contacts and commit; what comes of it; refresh the neighbours of those whose encounter it changed."""
         for _ in range(3):
             waiting, settled = 0, 0
             for j in range(lanes):
@@ -64,13 +65,13 @@ def make_attend(model: Model):
             if (waiting & ~int(Event.HALT)) != 0:
                 for j in range(lanes):
                     if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
-                        attend(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
+                        handle_events(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
                         settled |= n[LaneInt.SETTLED][j]
             if settled != 0:
                 r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
                 s = to.sine(r, whole(f, rows.trial_e), to.distance(r))
                 least = contact_height(s, f[rows.law.gamma], f[rows.bound_A])
-                book(f, n, n[LaneInt.SETTLED] != 0, rules, least)
+                commit(f, n, n[LaneInt.SETTLED] != 0, rules, least)
                 n[LaneInt.SETTLED] = WideInt(0)
 
-    return attend_all
+    return handle_all_events

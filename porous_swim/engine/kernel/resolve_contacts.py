@@ -6,7 +6,7 @@ from functools import cache
 import taichi as ti
 
 from porous_swim.engine.kernel.budget import make_budget
-from porous_swim.engine.kernel.resolve import make_resolve
+from porous_swim.engine.kernel.resolve import make_outside
 from porous_swim.engine.kernel.rows import make_vectors, rows_of
 from porous_swim.engine.kernel.state import Event, Int, LaneInt, Total
 from porous_swim.engine.kernel.swimmers import image_of, put_image, same
@@ -20,8 +20,10 @@ BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are
 
 
 @cache
-def make_settle(model: Model):
-    """Return `settle(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of lane j (swimmer i).
+def make_resolve_contacts(model: Model):
+    """Return `resolve_contacts(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of a lane.
+
+    It is that of lane j, of swimmer i.
 
     The trial obeys contact with every colloid, offsets are measured from the colloid nearest to it, and the budget
     is set anew. A swimmer no higher than `band` above contact touches, and so does one that a reflecting wall has
@@ -29,20 +31,20 @@ def make_settle(model: Model):
     """
     real, reflected, located = model.real, model.reflected, model.located
     rows, (get, put) = rows_of(model), make_vectors(model)
-    between, resolve = make_between(model), make_resolve(model)
+    between, outside = make_between(model), make_outside(model)
     (strike, push_off), set_budget = make_touch(model), make_budget(model)
 
     @ti.func
     def pair(i, swimmers: ti.template(), found, k, image):
         """Remember the colloid that a swimmer left, as long as it is as near as the new one."""
         stays = same(k, image, found.near, found.image)
-        mate = ti.select(found.second - found.first > real(BETWEEN), -1, swimmers.int[int(Int.MATE), i])
-        image_m = image_of(swimmers, int(Int.MATE_IMAGE), i)
-        swimmers.int[int(Int.MATE), i] = ti.select(stays, mate, k)
-        put_image(swimmers, int(Int.MATE_IMAGE), i, pick(stays, image_m, image))
+        partner = ti.select(found.second - found.first > real(BETWEEN), -1, swimmers.int[int(Int.PARTNER), i])
+        image_m = image_of(swimmers, int(Int.PARTNER_IMAGE), i)
+        swimmers.int[int(Int.PARTNER), i] = ti.select(stays, partner, k)
+        put_image(swimmers, int(Int.PARTNER_IMAGE), i, pick(stays, image_m, image))
 
     @ti.func
-    def settle(
+    def resolve_contacts(
         f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
         rules: ti.template(), band,
     ):  # fmt: skip
@@ -54,7 +56,7 @@ def make_settle(model: Model):
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
             near, bound = record(k=k, image=image), record(k=b, image=image_b)
-            y1, found, held = resolve(medium, near, bound, y, x, e, f[rows.law.gamma][j], rules.tolerance)
+            y1, found, held = outside(medium, near, bound, y, x, e, f[rows.law.gamma][j], rules.tolerance)
             z = y1.variable()
             if held.jammed != 0:
                 ti.atomic_add(swimmers.total[int(Total.JAMMED)], 1)
@@ -81,4 +83,4 @@ def make_settle(model: Model):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
                     n[Int.EVENT][j] = int(Event.HALT)
 
-    return settle
+    return resolve_contacts

@@ -97,7 +97,7 @@ def make_stance(model: Model):
 
 
 @cache
-def make_survey(model: Model):
+def make_ensemble_sums(model: Model):
     """Compile `survey(...)`, which sums over groups, level by level; `renew` makes the present the origin of a level.
 
     Levels are bits of `due` and `renew`; sums have a row for each level and group.
@@ -162,7 +162,7 @@ def make_survey(model: Model):
     return survey
 
 
-class Survey:
+class EnsembleSums:
     """The sums of a run: origins in time for each of `n_levels`, that of level 0 being the start.
 
     `n_levels` x (4 + 3 dimensions) numbers for each swimmer are kept on the device.

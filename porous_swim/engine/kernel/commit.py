@@ -143,8 +143,8 @@ def make_bridge(model: Model):
 
 
 @cache
-def make_book(model: Model):
-    """Return `book(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
+def make_commit(model: Model):
+    """Return `commit(f, n, on, rules, least)`, which commits the trial moves of the lanes `on` of a block.
 
     A move is a step, or where events are `located` the part of one up to `trial_clock`. `least` is the contact height
     of the trial above the colloid of the encounter. Between walls that reflect, events happen within a step.
@@ -154,7 +154,7 @@ def make_book(model: Model):
     to = make_surface(model)
 
     @ti.func
-    def book(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
+    def commit(f: ti.template(), n: ti.template(), on, rules: ti.template(), least):
         x0, e0, offset = whole(f, rows.x), whole(f, rows.e), whole(f, rows.bound_offset)
         x1, e1 = whole(f, rows.trial_x), whole(f, rows.trial_e)
         r0, r1 = x0 + offset, x1 + offset
@@ -180,4 +180,4 @@ def make_book(model: Model):
         put_whole(f, rows.rest, pick(on, whole(f, rows.trial_rest), whole(f, rows.rest)))
         put_whole(f, rows.e, pick(on, e1, e0))
 
-    return book
+    return commit
