@@ -3,7 +3,7 @@
 The rows that the kernel keeps of an encounter (`engine/kernel/state.py`), what a capture clears, the device's log, the
 table on the host (`engine/encounter_log.py`), its schema (`results/tables.py`), what a file may hold
 (`results/table_check.py`) and the table in `docs/statistics.md` (`results/encounter_page.py`) are made from it. What a
-step adds to a row is all that stands elsewhere, under the row's name: in `engine/kernel/book.py`.
+step adds to a row is all that stands elsewhere, under the row's name: in `engine/kernel/commit.py`.
 """
 
 from __future__ import annotations
