@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from porous_swim.observers.base import Every, Frame, Observer, RunView
     from porous_swim.obstacles.base import Layout
     from porous_swim.physics.flow import Flow
+    from porous_swim.physics.motility import Motility
     from porous_swim.reporting.write import report
     from porous_swim.results.loading import load_results
     from porous_swim.results.results import Results
@@ -42,6 +43,7 @@ __all__ = [
     "Flow",
     "Frame",
     "Layout",
+    "Motility",
     "Observer",
     "Part",
     "PorousSwimError",
@@ -73,6 +75,7 @@ _HOME = {
     "core.parts": ("Part",),
     "obstacles.base": ("Layout",),
     "physics.flow": ("Flow",),
+    "physics.motility": ("Motility",),
     "swimmers.base": ("Release",),
     "scene.parts": ("register",),
     "observers.base": ("Every", "Frame", "Observer", "RunView"),

@@ -1,13 +1,14 @@
-"""Which layouts, releases and flows there are: our own, those that a program registers, those of installed plug-ins.
+"""Which parts of each role there are: our own, those that a program registers, those of installed plug-ins.
 
-A role (`Layout`, `Release`, `Flow`) is a class directly below `OpenPart`. A field of a scene that has a role for its
-type takes any part registered for it; the part's tag in the file says which.
+A role (`Layout`, `Release`, `Flow`, `Motility`) is a class directly below `OpenPart`. A field of a scene whose
+type is a role takes any part registered for it; the part's tag in the file says which.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache, reduce
 from operator import or_
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
@@ -52,6 +53,7 @@ Role = TypeVar("Role", bound=OpenPart)
 
 _PARTS: dict[type[OpenPart], dict[str, type[OpenPart]]] = {}  # by role and tag, ours first
 _PLUGINS: dict[type[OpenPart], Plugin] = {}
+_ROLES = "Layout, Release, Flow or Motility"
 _still_to_load = {"plug-ins"}  # empty once they have been looked for
 
 
@@ -72,7 +74,7 @@ def add(*parts: type[OpenPart]) -> None:
 
 
 def register(part: AnyPart) -> AnyPart:
-    """Let scene files name `part`, a model derived from `Layout`, `Release` or `Flow`; return it, as a decorator does.
+    """Let scene files name `part`, a model derived from a role such as `Layout`; return it, as a decorator does.
 
     TypeError where `part` is no such model or lacks a method of its role; ValueError where its tag is taken.
     """
@@ -147,7 +149,7 @@ def _add(part: type[OpenPart]) -> None:
 def _checked(part: type[OpenPart]) -> tuple[type[OpenPart], tuple[str, str]]:
     role = role_of(part) if isinstance(part, type) else None
     if role is None or role is part:
-        raise TypeError(f"register: expected a class derived from Layout, Release or Flow, found {part!r}")
+        raise TypeError(f"register: expected a class derived from {_ROLES}, found {part!r}")
     tag = tag_of(part)
     field = part.model_fields.get(role.TAG)
     if tag is None or field is None or get_origin(field.annotation) is not Literal or tag[0] != role.TAG:
@@ -163,10 +165,24 @@ def _chooser(role: type[OpenPart]) -> TypeAdapter[Any]:
     return _union(role.TAG, tuple(parts_of(role).values()))
 
 
+@dataclass(frozen=True)
+class _Lone:
+    """A union of one part, which needs its tag like any other."""
+
+    key: str
+    part: type[OpenPart]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        _, tag = _checked(self.part)[1]
+        return core_schema.tagged_union_schema({tag: handler.generate_schema(self.part)}, discriminator=self.key)
+
+
 @cache
 def _union(key: str, parts: tuple[type[OpenPart], ...]) -> TypeAdapter[Any]:
-    union: Any = Annotated[reduce(or_, parts), Field(discriminator=key)]
-    return TypeAdapter(union, config=Part.model_config)
+    if len(parts) > 1:
+        union: Any = Annotated[reduce(or_, parts), Field(discriminator=key)]
+        return TypeAdapter(union, config=Part.model_config)
+    return TypeAdapter(Annotated[Any, _Lone(key, parts[0])], config=Part.model_config)  # pydantic unites two or more
 
 
 def _load_plugins() -> None:

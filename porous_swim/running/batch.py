@@ -77,6 +77,7 @@ def _structure(scene: Scene) -> dict[str, object]:
     return {
         "domain": scene.domain, "hydrodynamics": scene.hydrodynamics.kind, "noise": noise.kind,
         "noise.variates": noise.variates if isinstance(noise, Brownian) else None,
+        "swimmers.motility": scene.swimmers.motility.kind,
         "encounter.escape_height": scene.encounter.escape_height,
         "encounter.contact_band": scene.encounter.contact_band, "run.time_step": scene.run.time_step,
         "run.flight_step": scene.run.flight_step,

@@ -18,7 +18,7 @@ def dynamics_of(scenes: Sequence[Scene]) -> Dynamics:
     return Dynamics(
         Parameters.of(scenes), numbers_of(scenes), (type(first.hydrodynamics),),
         first.noise.variates if isinstance(first.noise, Brownian) else None, first.precision, first.integrator,
-        set_of=np.repeat(np.arange(len(scenes), dtype=np.int32), counts),
+        type(first.swimmers.motility), np.repeat(np.arange(len(scenes), dtype=np.int32), counts),
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from porous_swim.core.parts import KeyedError, SeveralKeyedError
 from porous_swim.core.scales import told
 from porous_swim.engine.limits import LONGEST_LAUNCH
+from porous_swim.physics.motility import Steady
 from porous_swim.physics.noise import Brownian
 from porous_swim.scene.model import SceneModel
 
@@ -128,6 +129,19 @@ def _integrator(scene: SceneModel) -> None:
         raise KeyedError("run.integrator", "reflected is for runs with noise: expected located, euler or auto")
 
 
+def _motility(scene: SceneModel) -> None:
+    motility, run = scene.swimmers.motility, scene.run
+    if run.integrator == "located" and motility.reorients():
+        raise KeyedError(
+            "run.integrator",
+            f"located is for swimmers that do not turn by themselves, as the motility {motility.kind} makes them do: "
+            "expected euler or auto",
+        )
+    if run.flight_step is not None and not isinstance(motility, Steady):
+        raise KeyedError("run.flight_step", f"flights are for the motility steady: found {motility.kind}")
+
+
 _CHECKS: tuple[Callable[[SceneModel], None], ...] = (
     _whole_run, _whole_record, _burn_in, _step_can_be_added, _flights, _obstacles, _release, _encounter, _integrator,
+    _motility,
 )  # fmt: skip

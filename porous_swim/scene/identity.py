@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from porous_swim.core.registry import parts_in, plugin_of
+from porous_swim.physics.motility import Steady
 from porous_swim.results.manifest import RUN_NAMES
 from porous_swim.scene.model import SceneModel
 from porous_swim.scene.yaml_core import write_yaml
@@ -55,6 +56,8 @@ def scene_hash(scene: SceneModel) -> str:
     data["run"]["precision"] = scene.precision
     if data["obstacles"].get("seed") == scene.run.seed:  # as where it is left out
         del data["obstacles"]["seed"]
+    if scene.swimmers.motility == Steady():  # as where it is left out
+        del data["swimmers"]["motility"]
     for key, digits in file_hashes(scene).items():
         _section(data, key)["path"] = digits
     if plugins := plugins_of(scene):

@@ -122,7 +122,7 @@ class SceneModel(Part):
         if self.run.integrator == "auto":
             if isinstance(self.noise, Brownian):
                 return "reflected"
-            return "euler" if self.run.precision == "f32" else "located"
+            return "euler" if self.run.precision == "f32" or self._reorients else "located"
         return self.run.integrator
 
     @property
@@ -145,7 +145,7 @@ class SceneModel(Part):
     @property
     def movers(self) -> tuple[Part, ...]:
         """The parts that hand numbers to the kernels."""
-        return self.hydrodynamics, self.contact, self.noise, self.encounter
+        return self.hydrodynamics, self.contact, self.noise, self.encounter, self.swimmers.motility
 
     @property
     def given(self) -> Given:
@@ -154,6 +154,12 @@ class SceneModel(Part):
         return Given(
             swimmers.dipole_strength, swimmers.aspect_ratio, self.domain.dimensions, self.run.time_step
         )  # fmt: skip
+
+    @property
+    def _reorients(self) -> bool:
+        """Whether swimmers turn by themselves; a scene in which something is wrong may lack the section."""
+        swimmers = getattr(self, "swimmers", None)
+        return swimmers is not None and swimmers.motility.reorients()
 
     @property
     def unit_system(self) -> UnitSystem | None:

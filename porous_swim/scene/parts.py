@@ -7,7 +7,10 @@ from porous_swim.obstacles import layouts
 from porous_swim.obstacles.base import Layout
 from porous_swim.physics import hydrodynamics
 from porous_swim.physics.flow import Flow
+from porous_swim.physics.motility import Motility
 from porous_swim.swimmers import release
 from porous_swim.swimmers.base import Release
 
-__all__ = ["Flow", "Layout", "Release", "forget", "hydrodynamics", "layouts", "parts_of", "register", "release"]
+__all__ = [
+    "Flow", "Layout", "Motility", "Release", "forget", "hydrodynamics", "layouts", "parts_of", "register", "release",
+]  # fmt: skip

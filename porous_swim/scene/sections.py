@@ -8,6 +8,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from porous_swim.core.parts import LEAST_TIME, LONGEST_TIME, UNITS_UNKNOWN, KeyedError, Part, Time, Whole
+from porous_swim.physics.motility import Motility, Steady
 from porous_swim.swimmers.base import Release
 from porous_swim.swimmers.release import Uniform
 
@@ -26,6 +27,8 @@ class Population(Part):
     """gamma, minor over major axis; 1 is a sphere."""
     release: Release = Uniform()
     """Where the swimmers start."""
+    motility: Motility = Steady()
+    """How they swim and turn by themselves."""
 
     @model_validator(mode="before")
     @classmethod

@@ -99,14 +99,17 @@ def _check_mirror(scene: Mapping[str, Any]) -> None:
 
 def _scene(
     *, integrator: str, precision: str = "f32", noise: float | None = 0.01, strength: float = 0.5, away: bool = False,
-    hydrodynamics: Mapping[str, Any] | None = None,
+    hydrodynamics: Mapping[str, Any] | None = None, motility: Mapping[str, Any] | None = None,
 ) -> Scene:  # fmt: skip
     """Swimmers that come in a beam from the left of a colloid, or go away from it; `noise` is D, None for none."""
     kind = {"kind": "none"} if noise is None else {"kind": "brownian", "translational_diffusion": noise}
     release = {"kind": "beam", "origin": [-5.5, 0.0], "director": [-1.0 if away else 1.0, 0.0], "width": 6.0}
     return Scene.from_mapping(
         {
-            "swimmers": {"count": _COUNT, "dipole_strength": strength, "release": release},
+            "swimmers": {
+                "count": _COUNT, "dipole_strength": strength, "release": release,
+                "motility": dict(motility or {"kind": "steady"}),
+            },
             "hydrodynamics": dict(hydrodynamics or {"kind": "image_dipole"}),
             "noise": kind,
             "obstacles": {"layout": "single", "radius": _RADIUS},
@@ -121,4 +124,4 @@ def _scene(
 
 
 def _words(scene: Scene) -> str:
-    return f"{scene.integrator}, {scene.precision}, {scene.hydrodynamics.kind}"
+    return f"{scene.integrator}, {scene.precision}, {scene.hydrodynamics.kind}, {scene.swimmers.motility.kind}"

@@ -17,7 +17,7 @@ BLOCKS = re.findall(r"^### (?:A|An) (\w+)\n.*?^```python\n(.*?)^```", TEXT, flag
 
 
 def test_every_way_to_add_a_part_works_as_it_is_written(tmp_path: Path) -> None:
-    assert [name for name, _ in BLOCKS] == ["layout", "release", "flow", "observer", "statistic", "column"]
+    assert [name for name, _ in BLOCKS] == ["layout", "release", "flow", "motility", "observer", "statistic", "column"]
     for name, code in BLOCKS:
         (tmp_path / f"a_{name}.py").write_text(code)
     modules = ", ".join(f"a_{name}" for name, _ in BLOCKS)

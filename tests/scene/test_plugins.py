@@ -88,6 +88,37 @@ def test_the_drift_of_a_plugin_is_what_it_says(installed: Path, tmp_path: Path) 
     assert rate == [[0.0, 0.0, 0.0]]
 
 
+TUMBLING = """\
+swimmers:
+  count: 4000
+  dipole_strength: 0
+  release: {kind: start_line, length: 12.0}
+  motility: {kind: tumbling, run_time: 2 s}
+units: {length: 1 um, speed: 2 um/s, temperature: 293 K, viscosity: 1 mPa s}
+obstacles: {layout: none}
+domain: {dimensions: 2}
+run: {time_step: 0.05, duration: 4, seed: 1, threads: 1}
+record: {every: 1, swimmers: 4000, trails: 0}
+"""
+
+
+def test_a_motility_of_a_plugin_moves_swimmers_by_the_numbers_of_the_scene_file(
+    installed: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "tumbling.yaml"
+    path.write_text(TUMBLING)
+    done = run_with(installed, "-m", "porous_swim", "run", path, "--out", "out", "--quiet", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    results = ps.load_results(tmp_path / "out")
+    assert results.summary["provenance"]["packages"]["swim-extras"] == "1.2"
+    frames = results.trajectory.to_pydict()
+    ex = np.array(frames["ex"]).reshape(5, 4000)
+    for time, found in enumerate(ex):  # a run of 2 s lasts 4 a/U; who has tumbled points anywhere; four standard errors
+        assert abs(found.mean() - np.exp(-time / 4.0)) <= 4.0 * found.std() / np.sqrt(4000)
+    assert np.hypot(ex, np.array(frames["ey"]).reshape(5, 4000)) == pytest.approx(1.0, abs=1e-6)
+
+
+LINE = "release: {kind: start_line, length: 12.0}"
 MISTAKES = [
     (
         ("ring_radius", "ring_radus"),
@@ -102,6 +133,19 @@ MISTAKES = [
     (
         ("kind: attraction", "kind: attracton"),
         "hydrodynamics.kind: expected `none`, `image_dipole`,",
+    ),
+    ((LINE, f"{LINE}, motility: {{kind: tumbling}}"), "swimmers.motility.run_time: this key is required and missing"),
+    (
+        (LINE, f"{LINE}, motility: {{kind: tumbling, runtime: 3}}"),
+        "swimmers.motility.runtime: unknown key; did you mean `run_time`?",
+    ),
+    (
+        (LINE, f"{LINE}, motility: {{kind: tumbling, run_time: 0}}"),
+        ":1:125: swimmers.motility.run_time: expected at least 0.001, found 0",
+    ),
+    (
+        (LINE, f"{LINE}, motility: {{kind: tumblin, run_time: 3}}"),
+        "swimmers.motility.kind: expected `steady` or `tumbling`, found 'tumblin'; did you mean `tumbling`?",
     ),
 ]
 TRY_ALL = """
@@ -229,8 +273,8 @@ def test_what_is_no_part_is_not_registered(twin: type[Twin]) -> None:
         (Other, ValueError, "layout: twin is taken by test_plugins.Twin; choose another word"),
         (Nameless, TypeError, "expected the field `layout: Literal"),
         (Placeless, TypeError, "a Layout needs n_colloids and place; see porous_swim.Layout"),
-        (ps.Layout, TypeError, "expected a class derived from Layout, Release or Flow"),
-        (int, TypeError, "expected a class derived from Layout, Release or Flow"),
+        (ps.Layout, TypeError, "expected a class derived from Layout, Release, Flow or Motility"),
+        (int, TypeError, "expected a class derived from Layout, Release, Flow or Motility"),
     ):
         with pytest.raises(error, match=message):
             ps.register(part)
@@ -242,6 +286,7 @@ import porous_swim.testing as testing
 testing.check_layout({"layout": "ring", "radius": 2.0, "ring_radius": 9.0, "count": 9})
 testing.check_release({"kind": "start_line", "length": 12.0})
 testing.check_flow("attraction")
+testing.check_motility({"kind": "tumbling", "run_time": 0.5})
 print("passed")
 """
     done = run_with(installed, "-c", code, cwd=tmp_path)

@@ -19,7 +19,15 @@ from porous_swim.core.parts import Radius
 from porous_swim.core.registry import OpenPart, forget
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.swimmers.placement import Swimmers
-from porous_swim.testing import check_coverage, check_flow, check_layout, check_observer, check_release, check_statistic
+from porous_swim.testing import (
+    check_coverage,
+    check_flow,
+    check_layout,
+    check_motility,
+    check_observer,
+    check_release,
+    check_statistic,
+)
 from tests.analysis.test_columns import tables
 
 
@@ -204,6 +212,33 @@ def spreading(real: Any) -> Any:
 def test_a_faulty_flow_is_found(drift_of: Callable[..., Any], message: str) -> None:
     with registered(flow_of(drift_of)), pytest.raises(AssertionError, match=message):
         check_flow("faulty")
+
+
+def motility_of(turned: Callable[..., Any]) -> type[ps.Motility]:
+    class Faulty(ps.Motility):
+        """A motility that breaks a rule."""
+
+        kind: Literal["faulty"]
+
+        @staticmethod
+        @cache
+        def make_reorient(model: Any) -> Any:
+            return turned(model.real)
+
+    return Faulty
+
+
+def growing(real: Any) -> Any:
+    @ti.func
+    def reorient(e, law, at):
+        return e * real(1.001)
+
+    return reorient
+
+
+def test_a_motility_whose_directors_grow_is_found() -> None:
+    with registered(motility_of(growing)), pytest.raises(AssertionError, match="the length of a director is"):
+        check_motility({"kind": "faulty"})
 
 
 class Grasping(ps.Observer):

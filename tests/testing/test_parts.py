@@ -14,7 +14,7 @@ from porous_swim.observers.lags import Lags
 from porous_swim.observers.progress import make_progress
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
-from porous_swim.testing import check_flow, check_layout, check_observer, check_release, check_stepper
+from porous_swim.testing import check_flow, check_layout, check_motility, check_observer, check_release, check_stepper
 
 FLAT = {"dimensions": 2}
 BOX = {"boundary": "periodic", "size": [30.0, 30.0, 30.0]}
@@ -77,6 +77,14 @@ def test_a_flow_is_one(kind: str, options: dict[str, bool]) -> None:
     check_flow(kind, **options)
 
 
+MOTILITIES: list[dict[str, Any]] = [{"kind": "steady"}]
+
+
+@pytest.mark.parametrize("motility", MOTILITIES, ids=lambda each: each.get("kind"))
+def test_a_motility_is_one(motility: dict[str, Any]) -> None:
+    check_motility(motility)
+
+
 @pytest.mark.parametrize("integrator", ["euler", "reflected", "located"])
 def test_a_stepper_is_one(integrator: str) -> None:
     check_stepper(integrator)
@@ -100,3 +108,4 @@ def test_every_part_is_checked() -> None:
     assert {given["layout"] for given, _ in LAYOUTS} == set(parts_of(ps.Layout))
     assert {given["kind"] for given, _ in RELEASES} == set(parts_of(ps.Release))
     assert set(FLOWS) == set(parts_of(ps.Flow))
+    assert {given["kind"] for given in MOTILITIES} == set(parts_of(ps.Motility))
