@@ -22,7 +22,7 @@ def no_news(ints: ti.template(), j, i, swimmers: ti.template(), k, image):
 
 
 @cache
-def make_choose_mate(model: Model):
+def make_choose_partner(model: Model):
     """Return `choose_partner(i, swimmers, found, rules) -> reach, whether there is a partner`, for rods.
 
     The reach is how far a rod may go until a colloid that its lane does not know may matter.
@@ -53,7 +53,7 @@ def make_budget(model: Model):
     The budget is half of the lead of the nearest surface, so that no other can be nearer within it.
     """
     real, partners, located, sphere = model.real, model.partners, model.located, model.sphere
-    rows, (_, put), choose_partner = rows_of(model), make_vectors(model), make_choose_mate(model)
+    rows, (_, put), choose_partner = rows_of(model), make_vectors(model), make_choose_partner(model)
 
     @ti.func
     def set_budget(

@@ -79,10 +79,10 @@ def make_refresh_neighbours(model: Model):
         if ti.static(located or partners):
             m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i).variable()
             if ti.static(partners):
-                own_m, mate_t = same(m, image_m, b, image_b), same(m, image_m, t, image_t)
+                own_m, partner_t = same(m, image_m, b, image_b), same(m, image_m, t, image_t)
                 ints[LaneInt.PAIRED][j] = ti.cast(m >= 0, ti.i32)
                 ints[LaneInt.PARTNER_OWN][j] = ti.cast(bound & (m >= 0) & own_m, ti.i32)
-                ints[LaneInt.PARTNER_KNOWN][j] = ti.cast(bound & (m >= 0) & (own_m | mate_t), ti.i32)
+                ints[LaneInt.PARTNER_KNOWN][j] = ti.cast(bound & (m >= 0) & (own_m | partner_t), ti.i32)
             else:
                 ints[LaneInt.BETWEEN][j] = ti.cast(m >= 0, ti.i32)
             m, image_m = ti.select(m < 0, k, m), pick(m < 0, image, image_m)

@@ -71,14 +71,14 @@ def make_pair(model: Model):
         touch_is_news = ints[LaneInt.WATCH_CONTACT] != 0  # where the partner pushes the rod onto the nearest
         good = touched_body & known & ((found & (not touch_is_news)) | (not pinched))
         y = pick(pinched, v, z)
-        own, mate_own = ints[LaneInt.OWN] != 0, ints[LaneInt.PARTNER_OWN] != 0
-        more = ti.select(own, push, ti.select(mate_own, push1, real(0.0)))
+        own, partner_own = ints[LaneInt.OWN] != 0, ints[LaneInt.PARTNER_OWN] != 0
+        more = ti.select(own, push, ti.select(partner_own, push1, real(0.0)))
         total = ti.max(reals[rows.trial_push] + more, real(0.0))
         reals[rows.trial_push] = ti.select(good, total, reals[rows.trial_push])
         on_both = good & pinched
         here = ti.select(on_both, to.distance(y) - A, ti.select(good, above, least))
         there = ti.select(on_both, to.distance(y + d) - A1, least1)
-        least_own = ti.select(mate_own, there, here)
+        least_own = ti.select(partner_own, there, here)
         put_whole(reals, rows.trial_x, pick(good, y, x))
         rest = whole(reals, rows.trial_rest)
         put_whole(reals, rows.trial_rest, pick(good, rest * real(0.0), rest))
@@ -106,7 +106,7 @@ def make_swap(model: Model):
     def exchange(reals: ti.template(), ints: ti.template()):
         x, d, bound = whole(reals, rows.x), whole(reals, rows.partner_offset), whole(reals, rows.bound_offset)
         rest, reference = whole(reals, rows.rest), whole(reals, rows.reference)
-        A, A1, own, mate_own = reals[rows.A], reals[rows.partner_A], ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN]
+        A, A1, own, partner_own = reals[rows.A], reals[rows.partner_A], ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN]
         y = rounded(x + d)
         known = (ints[LaneInt.PAIRED] != 0) & (ints[LaneInt.PARTNER_KNOWN] != 0) & (ints[LaneInt.WATCH_CONTACT] == 0)
         nearer = ti.sqrt(y.dot(y)) - A1 < ti.sqrt(x.dot(x)) - A
@@ -117,7 +117,10 @@ def make_swap(model: Model):
         put_whole(reals, rows.bound_offset, pick(other, bound - d, bound))
         put_whole(reals, rows.partner_offset, pick(other, d * -1.0, d))
         reals[rows.A], reals[rows.partner_A] = ti.select(other, A1, A), ti.select(other, A, A1)
-        ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN] = ti.select(other, mate_own, own), ti.select(other, own, mate_own)
+        ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN] = (
+            ti.select(other, partner_own, own),
+            ti.select(other, own, partner_own),
+        )
         ints[LaneInt.SWAPPED] = ti.select(other, 1 - ints[LaneInt.SWAPPED], ints[LaneInt.SWAPPED])
 
     @ti.func
