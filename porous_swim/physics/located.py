@@ -46,8 +46,8 @@ def tableau() -> np.ndarray:
 def make_motion(model: Model):
     """Return `rate(x, e, around, law, mode) -> velocity, director rate, push, pinch`.
 
-    `around` holds A, partner and mate_A: x is the offset from a sphere of radius A and x + partner that from one
-    of mate_A. Whatever holds a swimmer, `push` is the speed at which the wall has to hold it off, and `pinch` the
+    `around` holds A, partner and partner_A: x is the offset from a sphere of radius A and x + partner that from one
+    of partner_A. Whatever holds a swimmer, `push` is the speed at which the wall has to hold it off, and `pinch` the
     lesser of the two speeds at which it is drawn across the middle between the colloids: either holds while it is
     positive.
     """

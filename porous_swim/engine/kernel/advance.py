@@ -20,7 +20,7 @@ from porous_swim.physics.model import Model
 
 
 def make_mover(model: Model):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the model's integrator.
+    """Return `step(reals, ints, swimmer, swimmers, medium, rules, n_steps, n_pairs)` of the model's integrator.
 
     `swimmer` holds the number of the swimmer in each lane; `n_pairs` is 0 where none of them has a partner.
     """
@@ -59,29 +59,30 @@ def make_advance(model: Model):
         for t in range(n_blocks * stride):
             if t % stride == 0:
                 i, end = t // stride * share, ti.min((t // stride + 1) * share, state_int.shape[1])
-                f = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
-                n = [WideInt(0) for _ in ti.static(range(N_LANE_INTS))]
-                n[LaneInt.SWIMMER], n[Int.EVENT] = WideInt(-1), WideInt(int(Event.HALT))
+                reals = [Wide(0.0) for _ in ti.static(range(rows.n_lanes))]
+                ints = [WideInt(0) for _ in ti.static(range(N_LANE_INTS))]
+                ints[LaneInt.SWIMMER], ints[Int.EVENT] = WideInt(-1), WideInt(int(Event.HALT))
                 busy = 1
                 while busy != 0:
-                    handle_all_events(f, n, swimmers, medium, log, rules)
+                    handle_all_events(reals, ints, swimmers, medium, log, rules)
                     busy, moving, n_pairs = 0, 0, 0
                     for j in range(lanes):
-                        if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
+                        if (ints[Int.EVENT][j] == 0) & (ints[Int.STEP][j] < n_steps):
                             moving = 1
                             if ti.static(partners):
-                                n_pairs += n[LaneInt.PAIRED][j]
+                                n_pairs += ints[LaneInt.PAIRED][j]
                         else:  # the swimmer is at the end of the launch, or cannot go on in it: the next one
-                            store(f, n, j, swimmers, first)
+                            store(reals, ints, j, swimmers, first)
                             if i < end:
-                                load(f, n, j, i, swimmers, medium, rules, fresh)
+                                load(reals, ints, j, i, swimmers, medium, rules, fresh)
                                 i += 1
                                 busy = 1
                     if moving != 0:
                         busy = 1
                         for _ in range(chunk):
-                            step(f, n, ti.cast(n[LaneInt.SWIMMER], ti.u32), swimmers, medium, rules, n_steps, n_pairs)
+                            swimmer = ti.cast(ints[LaneInt.SWIMMER], ti.u32)
+                            step(reals, ints, swimmer, swimmers, medium, rules, n_steps, n_pairs)
                             if ti.static(partners):
-                                swap(f, n, n_pairs)
+                                swap(reals, ints, n_pairs)
 
     return advance

@@ -14,15 +14,15 @@ PARTNER_WITHIN = 0.2  # a, beyond reach: nearer a rod has the second nearest col
 
 
 @ti.func
-def no_news(n: ti.template(), j, i, swimmers: ti.template(), k, image):
+def no_news(ints: ti.template(), j, i, swimmers: ti.template(), k, image):
     """Whether contact with colloid k is known in the encounter under way."""
     own = same(k, image, swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i))
     touched = same(k, image, swimmers.int[int(Int.TOUCHED), i], touched_image(swimmers, i))
-    return (n[LaneInt.PHASE][j] == int(Phase.BOUND)) & (own | touched)
+    return (ints[LaneInt.PHASE][j] == int(Phase.BOUND)) & (own | touched)
 
 
 @cache
-def make_choose_mate(model: Model):
+def make_choose_partner(model: Model):
     """Return `choose_partner(i, swimmers, found, rules) -> reach, whether there is a partner`, for rods.
 
     The reach is how far a rod may go until a colloid that its lane does not know may matter.
@@ -48,16 +48,16 @@ def make_choose_mate(model: Model):
 
 @cache
 def make_budget(model: Model):
-    """Return `set_budget(f, n, j, i, swimmers, y, found, rules)`, at offset y where the search `found` what it did.
+    """Return `set_budget(reals, ints, j, i, swimmers, y, found, rules)`, at offset y, where the search gave `found`.
 
     The budget is half of the lead of the nearest surface, so that no other can be nearer within it.
     """
     real, partners, located, sphere = model.real, model.partners, model.located, model.sphere
-    rows, (_, put), choose_partner = rows_of(model), make_vectors(model), make_choose_mate(model)
+    rows, (_, put), choose_partner = rows_of(model), make_vectors(model), make_choose_partner(model)
 
     @ti.func
     def set_budget(
-        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), y, found, rules: ti.template()
+        reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), y, found, rules: ti.template()
     ):  # fmt: skip
         budget = real(0.5) * (found.second - found.first)
         if ti.static(not sphere):
@@ -65,8 +65,8 @@ def make_budget(model: Model):
             if ti.static(partners):
                 swaps = (
                     partner
-                    & no_news(n, j, i, swimmers, found.near, found.image)
-                    & no_news(n, j, i, swimmers, found.partner, found.partner_image)
+                    & no_news(ints, j, i, swimmers, found.near, found.image)
+                    & no_news(ints, j, i, swimmers, found.partner, found.partner_image)
                 )
                 # both may be the nearest: it is the third, beyond the list of the cell if need be, that must not be
                 lead = real(0.5) * (ti.min(found.third, rules.escape_height) - found.first)
@@ -74,15 +74,18 @@ def make_budget(model: Model):
             budget = ti.min(budget, reach)
         budget = ti.max(real(0.0), budget - rules.margin)
         if ti.static(not located):  # a later touch is that of the nearest
-            touched_body, image = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j).variable()
+            touched_body, image = (
+                ints[LaneInt.TOUCHED_BODY][j],
+                get_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j).variable(),
+            )
             if ti.static(partners):
-                known = no_news(n, j, i, swimmers, touched_body, image)
-                if known & no_news(n, j, i, swimmers, found.near, found.image):
-                    n[LaneInt.TOUCHED_BODY][j], touched_body = found.near, found.near
-                    put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, found.image)
+                known = no_news(ints, j, i, swimmers, touched_body, image)
+                if known & no_news(ints, j, i, swimmers, found.near, found.image):
+                    ints[LaneInt.TOUCHED_BODY][j], touched_body = found.near, found.near
+                    put_lane_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j, found.image)
                     image = found.image
             budget = ti.select(same(touched_body, image, found.near, found.image), budget, real(0.0))
-        f[rows.budget][j] = budget * budget
-        put(f, rows.reference, j, y)
+        reals[rows.budget][j] = budget * budget
+        put(reals, rows.reference, j, y)
 
     return set_budget

@@ -34,7 +34,7 @@ def make_threshold(model: Model):
 
 @cache
 def make_capture(model: Model):
-    """Return `capture(f, n, j, i, swimmers, medium, rules, target)`, which opens an encounter.
+    """Return `capture(reals, ints, j, i, swimmers, medium, rules, target)`, which opens an encounter.
 
     `target` is the colloid, `k` and `image`; `touched_body` says whether it begins at the wall: not in a
     direct hop.
@@ -54,20 +54,20 @@ def make_capture(model: Model):
         ti.atomic_add(swimmers.total[int(Total.HOPS)], ti.select((b >= 0) & (not again), 1, 0))
 
     @ti.func
-    def capture(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def capture(reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                 rules: ti.template(), target):  # fmt: skip
         k, image, touched_body = target.k, target.image, target.touched_body
         count(i, swimmers, k, image)
         swimmers.int[int(Int.BOUND), i] = k
         put_image(swimmers, int(Int.BOUND_IMAGE), i, image)
         swimmers.int[int(Int.TOUCHED), i] = -1
-        n[LaneInt.PHASE][j] = int(Phase.BOUND)
+        ints[LaneInt.PHASE][j] = int(Phase.BOUND)
         nearest, nearest_image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
-        r = (get(f, rows.x, j) + between(medium, k, image, nearest, nearest_image)).variable()
-        e = get(f, rows.e, j)
+        r = (get(reals, rows.x, j) + between(medium, k, image, nearest, nearest_image)).variable()
+        e = get(reals, rows.e, j)
         R = to.distance(r)
         s, h = to.sine(r, e, R), R - medium.radius[k]
-        least = contact_height(s, f[rows.law.gamma][j], medium.radius[k])
+        least = contact_height(s, reals[rows.law.gamma][j], medium.radius[k])
         touch, low = h <= least + rules.tolerance, h
         if ti.static(reflected):  # the wall was touched within the step, and may have been left again
             touch |= touched_body
@@ -76,31 +76,31 @@ def make_capture(model: Model):
         for d in ti.static(range(dimensions)):
             swimmers.real[rows.entry_x + d, i] = r[d]
             swimmers.real[rows.entry_e + d, i] = e[d]
-        push = ti.select(touched_body, f[rows.push][j], real(0.0))
-        clear(f, j)
-        f[rows.min_height][j], f[rows.max_height][j] = h, h
-        threshold = threshold_at(swimmers, medium, i, k, f[rows.law.alpha][j], f[rows.law.gamma][j])
-        f[rows.law.escape_sine][j] = threshold
-        f[rows.release_sine][j] = s
-        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j] = -1, 0
-        step = rules.first + n[Int.STEP][j]
+        push = ti.select(touched_body, reals[rows.push][j], real(0.0))
+        clear(reals, j)
+        reals[rows.min_height][j], reals[rows.max_height][j] = h, h
+        threshold = threshold_at(swimmers, medium, i, k, reals[rows.law.alpha][j], reals[rows.law.gamma][j])
+        reals[rows.law.escape_sine][j] = threshold
+        reals[rows.release_sine][j] = s
+        ints[LaneInt.RELEASE][j], ints[LaneInt.N_CONTACT][j] = -1, 0
+        step = rules.first + ints[Int.STEP][j]
         swimmers.long[int(Long.START), i] = step
         swimmers.long[int(Long.N_CONTACT), i] = ti.i64(0)
         swimmers.long[int(Long.RELEASE), i] = ti.select(touch, step, ti.i64(-1))
         swimmers.long[int(Long.PITCH), i] = ti.select(s > threshold, step, ti.i64(-1))
         if ti.static(located):
             for row in ti.static((rows.start_clock, rows.pitch_clock, rows.release_clock)):
-                f[row][j] = f[rows.clock][j]
-        f[rows.contact_clock][j] = real(0.0)
+                reals[row][j] = reals[rows.clock][j]
+        reals[rows.contact_clock][j] = real(0.0)
         if ti.static(reflected):  # what is left of the step counts, and the push at first contact
-            f[rows.push][j] = push
-            f[rows.min_height][j] = low
-            f[rows.height][j] = -f[rows.clock][j] * h
+            reals[rows.push][j] = push
+            reals[rows.min_height][j] = low
+            reals[rows.height][j] = -reals[rows.clock][j] * h
         if ti.static(
             not located
         ):  # both ends of each step count: half of the entry here, half less where it is cut off
             band = ti.max(rules.contact_band, rules.tolerance)
             at_entry = ti.select(low - least <= band, real(0.5), real(0.0))
-            f[rows.contact_clock][j] = at_entry + ti.select(h - least <= band, -f[rows.clock][j], real(0.0))
+            reals[rows.contact_clock][j] = at_entry + ti.select(h - least <= band, -reals[rows.clock][j], real(0.0))
 
     return capture

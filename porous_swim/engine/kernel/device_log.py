@@ -62,7 +62,7 @@ def log_columns(dimensions: int) -> SimpleNamespace:
 
 @cache
 def make_log(model: Model):
-    """Return `log_row(f, n, j, i, swimmers, log, step, late) -> whether there was room`.
+    """Return `log_row(reals, ints, j, i, swimmers, log, step, late) -> whether there was room`.
 
     `late` writes only the passage of the escape pitch, for an encounter that was logged before.
     """
@@ -74,28 +74,30 @@ def make_log(model: Model):
     get, _ = make_vectors(model)
 
     @ti.func
-    def write(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), slot, step):
-        release = ti.cast(n[LaneInt.RELEASE][j], ti.i64)
-        if n[LaneInt.RELEASE][j] >= 0:
-            release += step - n[Int.STEP][j]
+    def write(reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), slot, step):
+        release = ti.cast(ints[LaneInt.RELEASE][j], ti.i64)
+        if ints[LaneInt.RELEASE][j] >= 0:
+            release += step - ints[Int.STEP][j]
         else:  # the wall was last touched in an earlier launch, or never
             release = swimmers.long[int(Long.RELEASE), i]
         log.long[slot, int(LogLong.RELEASE)] = release
         log.long[slot, int(LogLong.PITCH)] = swimmers.long[int(Long.PITCH), i]
-        log.long[slot, int(LogLong.N_CONTACT)] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
-        x, e = get(f, rows.x, j) + get(f, rows.bound_offset, j), get(f, rows.e, j)
+        log.long[slot, int(LogLong.N_CONTACT)] = swimmers.long[int(Long.N_CONTACT), i] + ints[LaneInt.N_CONTACT][j]
+        x, e = get(reals, rows.x, j) + get(reals, rows.bound_offset, j), get(reals, rows.e, j)
         for d in ti.static(range(dimensions)):
             log.real[slot, columns.entry_x + d] = swimmers.real[rows.entry_x + d, i]
             log.real[slot, columns.entry_e + d] = swimmers.real[rows.entry_e + d, i]
             log.real[slot, columns.exit_x + d] = x[d]
             log.real[slot, columns.exit_e + d] = e[d]
         for column, row in ti.static(pairs):
-            log.real[slot, column] = f[row][j]
+            log.real[slot, column] = reals[row][j]
         for column, happened in ti.static(clocks):
             log.real[slot, column] = ti.select(log.long[slot, happened] > 0, real(middle), real(0.0))
 
     @ti.func
-    def log_row(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), step, late):
+    def log_row(
+        reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), log: ti.template(), step, late
+    ):
         slot = ti.cast(ti.atomic_add(swimmers.total[int(Total.LOGGED)], 1), ti.i32)
         room = slot < log.int.shape[0]
         if room:
@@ -104,14 +106,14 @@ def make_log(model: Model):
             for d in ti.static(range(3)):
                 log.int[slot, int(LogInt.IMAGE) + d] = swimmers.int[int(Int.BOUND_IMAGE) + d, i]
             log.long[slot, int(LogLong.START)] = swimmers.long[int(Long.START), i]
-            log.real[slot, columns.end_clock] = f[rows.clock][j]
+            log.real[slot, columns.end_clock] = reals[rows.clock][j]
             if late:
-                log.real[slot, columns.pitch_clock] = f[rows.clock][j]
+                log.real[slot, columns.pitch_clock] = reals[rows.clock][j]
                 log.long[slot, int(LogLong.END)] = ti.i64(-1)
                 log.long[slot, int(LogLong.PITCH)] = step
             else:
                 log.long[slot, int(LogLong.END)] = step
-                write(f, n, j, i, swimmers, log, slot, step)
+                write(reals, ints, j, i, swimmers, log, slot, step)
         return room
 
     return log_row

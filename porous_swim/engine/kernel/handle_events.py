@@ -19,7 +19,7 @@ from porous_swim.physics.surface import make_surface
 
 @cache
 def make_handle_events(model: Model):
-    """Return `handle_all_events(f, n, swimmers, medium, log, rules)`, which does what the lanes wait for."""
+    """Return `handle_all_events(reals, ints, swimmers, medium, log, rules)`, which does what the lanes wait for."""
     real, lanes, located, partners = model.real, model.lanes, model.located, model.partners
     rows, (whole, _), (get, put) = rows_of(model), make_wide(model), make_vectors(model)
     resolve_contacts, commit = make_resolve_contacts(model), make_commit(model)
@@ -28,50 +28,50 @@ def make_handle_events(model: Model):
     WideInt = ti.types.vector(lanes, ti.i32)
 
     @ti.func
-    def handle_events(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def handle_events(reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                log: ti.template(), rules: ti.template()):  # fmt: skip
         """Do what lane j (swimmer i) waits for. What needs the log may have to wait for the next launch."""
         if ti.static(partners):
-            sync(n, j, i, swimmers)
-        event = n[Int.EVENT][j]
-        n[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
+            sync(ints, j, i, swimmers)
+        event = ints[Int.EVENT][j]
+        ints[Int.EVENT][j] = event & int(Event.CONTACT | Event.ESCAPE | Event.PITCH)
         if event & int(Event.LOCATE):  # a swimmer just placed stays where it is
-            put(f, rows.trial_x, j, get(f, rows.x, j))
-            put(f, rows.trial_e, j, get(f, rows.e, j))
+            put(reals, rows.trial_x, j, get(reals, rows.x, j))
+            put(reals, rows.trial_e, j, get(reals, rows.e, j))
         if event & int(Event.LOCATE | Event.FINISH):
             band = rules.tolerance
             if ti.static(located):  # a swimmer released that near touches; later a touch is a touch
                 band = ti.select(event & int(Event.LOCATE), band, real(LOCATED_BAND))
-            resolve_contacts(f, n, j, i, swimmers, medium, rules, band)
-        refresh_neighbours(f, n, j, i, swimmers, medium)
-        if n[Int.EVENT][j] & int(Event.HALT) == 0:
+            resolve_contacts(reals, ints, j, i, swimmers, medium, rules, band)
+        refresh_neighbours(reals, ints, j, i, swimmers, medium)
+        if ints[Int.EVENT][j] & int(Event.HALT) == 0:
             if event & int(Event.FINISH):
-                n[LaneInt.SETTLED][j] = 1
+                ints[LaneInt.SETTLED][j] = 1
             else:
                 if event & int(Event.LOCATE):
-                    touch = (n[LaneInt.TOUCH][j] != 0) & (n[LaneInt.WATCH_CONTACT][j] != 0)
-                    n[Int.EVENT][j] |= ti.select(touch, int(Event.CONTACT), 0)
-                if n[Int.EVENT][j] != 0:
-                    encounters(f, n, j, i, swimmers, medium, log, rules)
+                    touch = (ints[LaneInt.TOUCH][j] != 0) & (ints[LaneInt.WATCH_CONTACT][j] != 0)
+                    ints[Int.EVENT][j] |= ti.select(touch, int(Event.CONTACT), 0)
+                if ints[Int.EVENT][j] != 0:
+                    encounters(reals, ints, j, i, swimmers, medium, log, rules)
 
     @ti.func
-    def handle_all_events(f: ti.template(), n: ti.template(), swimmers: ti.template(), medium: ti.template(),
+    def handle_all_events(reals: ti.template(), ints: ti.template(), swimmers: ti.template(), medium: ti.template(),
                    log: ti.template(), rules: ti.template()):  # fmt: skip
         """Resolve contacts and commit; what comes of it; refresh the neighbours of those whose encounter it changed."""
         for _ in range(3):
             waiting, settled = 0, 0
             for j in range(lanes):
-                waiting |= n[Int.EVENT][j]
+                waiting |= ints[Int.EVENT][j]
             if (waiting & ~int(Event.HALT)) != 0:
                 for j in range(lanes):
-                    if (n[Int.EVENT][j] != 0) & ((n[Int.EVENT][j] & int(Event.HALT)) == 0):
-                        handle_events(f, n, j, n[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
-                        settled |= n[LaneInt.SETTLED][j]
+                    if (ints[Int.EVENT][j] != 0) & ((ints[Int.EVENT][j] & int(Event.HALT)) == 0):
+                        handle_events(reals, ints, j, ints[LaneInt.SWIMMER][j], swimmers, medium, log, rules)
+                        settled |= ints[LaneInt.SETTLED][j]
             if settled != 0:
-                r = whole(f, rows.trial_x) + whole(f, rows.bound_offset)
-                s = to.sine(r, whole(f, rows.trial_e), to.distance(r))
-                least = contact_height(s, f[rows.law.gamma], f[rows.bound_A])
-                commit(f, n, n[LaneInt.SETTLED] != 0, rules, least)
-                n[LaneInt.SETTLED] = WideInt(0)
+                r = whole(reals, rows.trial_x) + whole(reals, rows.bound_offset)
+                s = to.sine(r, whole(reals, rows.trial_e), to.distance(r))
+                least = contact_height(s, reals[rows.law.gamma], reals[rows.bound_A])
+                commit(reals, ints, ints[LaneInt.SETTLED] != 0, rules, least)
+                ints[LaneInt.SETTLED] = WideInt(0)
 
     return handle_all_events

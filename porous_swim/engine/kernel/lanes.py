@@ -24,48 +24,50 @@ def make_lanes(model: Model):
     _, sync = make_swap(model)
 
     @ti.func
-    def load(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def load(reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), fresh):  # fmt: skip
         """Take swimmer i into the lane; where the launch is `fresh` it is at its first step."""
         for row in ti.static(range(rows.n_shared)):
-            f[row][j] = swimmers.real[row, i]
+            reals[row][j] = swimmers.real[row, i]
         word = swimmers.int[int(Int.EVENT), i]
-        n[Int.EVENT][j], n[LaneInt.PHASE][j] = word & ((1 << PHASE_BIT) - 1), word >> PHASE_BIT
-        n[Int.STEP][j] = ti.select(fresh != 0, 0, swimmers.int[int(Int.STEP), i])
+        ints[Int.EVENT][j], ints[LaneInt.PHASE][j] = word & ((1 << PHASE_BIT) - 1), word >> PHASE_BIT
+        ints[Int.STEP][j] = ti.select(fresh != 0, 0, swimmers.int[int(Int.STEP), i])
         for row, column in ti.static(numbers):
-            f[row][j] = swimmers.law[set_of(swimmers, i), column]
+            reals[row][j] = swimmers.law[set_of(swimmers, i), column]
         b = ti.max(swimmers.int[int(Int.BOUND), i], 0)
-        f[rows.law.escape_sine][j] = threshold(swimmers, medium, i, b, f[rows.law.alpha][j], f[rows.law.gamma][j])
+        reals[rows.law.escape_sine][j] = threshold(
+            swimmers, medium, i, b, reals[rows.law.alpha][j], reals[rows.law.gamma][j]
+        )
         if ti.static(not located):
-            f[rows.clock][j] = ti.select(rules.first + n[Int.STEP][j] > 0, real(middle), real(0.0))
-        recall(n, j, i, swimmers)
-        n[LaneInt.RELEASE][j], n[LaneInt.N_CONTACT][j], n[LaneInt.TOUCH][j] = -1, 0, 0
-        n[Int.EVENT][j] |= int(Event.REFRESH)
-        n[LaneInt.SWIMMER][j], n[LaneInt.SWAPPED][j] = i, 0
+            reals[rows.clock][j] = ti.select(rules.first + ints[Int.STEP][j] > 0, real(middle), real(0.0))
+        recall(ints, j, i, swimmers)
+        ints[LaneInt.RELEASE][j], ints[LaneInt.N_CONTACT][j], ints[LaneInt.TOUCH][j] = -1, 0, 0
+        ints[Int.EVENT][j] |= int(Event.REFRESH)
+        ints[LaneInt.SWIMMER][j], ints[LaneInt.SWAPPED][j] = i, 0
         if ti.static(flights):  # launches begin where flights may
-            n[LaneInt.AFTER][j] = n[Int.STEP][j] % rules.flight_ticks
+            ints[LaneInt.AFTER][j] = ints[Int.STEP][j] % rules.flight_ticks
 
     @ti.func
-    def store(f: ti.template(), n: ti.template(), j, swimmers: ti.template(), first):
+    def store(reals: ti.template(), ints: ti.template(), j, swimmers: ti.template(), first):
         """Put the swimmer of the lane back, if there is one, and leave the lane empty."""
-        i = n[LaneInt.SWIMMER][j]
+        i = ints[LaneInt.SWIMMER][j]
         if i >= 0:
             if ti.static(partners):
-                sync(n, j, i, swimmers)
+                sync(ints, j, i, swimmers)
             for row in ti.static(range(rows.n_shared)):
-                swimmers.real[row, i] = f[row][j]
-            swimmers.int[int(Int.STEP), i] = n[Int.STEP][j]
-            swimmers.int[int(Int.EVENT), i] = n[Int.EVENT][j] | n[LaneInt.PHASE][j] << PHASE_BIT
+                swimmers.real[row, i] = reals[row][j]
+            swimmers.int[int(Int.STEP), i] = ints[Int.STEP][j]
+            swimmers.int[int(Int.EVENT), i] = ints[Int.EVENT][j] | ints[LaneInt.PHASE][j] << PHASE_BIT
             if ti.static(located):
-                swimmers.int[int(Int.TOUCHED_BODY), i] = n[LaneInt.TOUCHED_BODY][j]
-                put_image(swimmers, int(Int.TOUCHED_BODY_IMAGE), i, get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j))
-            if n[LaneInt.RELEASE][j] >= 0:
-                swimmers.long[int(Long.RELEASE), i] = first + n[LaneInt.RELEASE][j]
-            swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + n[LaneInt.N_CONTACT][j]
-            if n[Int.EVENT][j] & int(Event.HALT):
+                swimmers.int[int(Int.TOUCHED_BODY), i] = ints[LaneInt.TOUCHED_BODY][j]
+                put_image(swimmers, int(Int.TOUCHED_BODY_IMAGE), i, get_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j))
+            if ints[LaneInt.RELEASE][j] >= 0:
+                swimmers.long[int(Long.RELEASE), i] = first + ints[LaneInt.RELEASE][j]
+            swimmers.long[int(Long.N_CONTACT), i] = swimmers.long[int(Long.N_CONTACT), i] + ints[LaneInt.N_CONTACT][j]
+            if ints[Int.EVENT][j] & int(Event.HALT):
                 ti.atomic_add(swimmers.total[int(Total.HALTED)], 1)
-            elif n[Int.EVENT][j] == 0:
+            elif ints[Int.EVENT][j] == 0:
                 ti.atomic_add(swimmers.total[int(Total.FINISHED)], 1)
-        n[LaneInt.SWIMMER][j], n[Int.EVENT][j] = -1, int(Event.HALT)
+        ints[LaneInt.SWIMMER][j], ints[Int.EVENT][j] = -1, int(Event.HALT)
 
     return load, store

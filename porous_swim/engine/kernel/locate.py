@@ -27,12 +27,12 @@ AT_WALL = 1e-12  # distance from contact, in distances from the centre, that is 
 
 @cache
 def make_get(model: Model):
-    """Return `get(f, row, j)`, a vector of Taichi: steps of a length of their own are one lane's, and plain numbers."""
+    """Return `get(reals, row, j)`, a vector of Taichi, of the plain numbers of one lane."""
     dimensions = model.dimensions
 
     @ti.func
-    def get(f: ti.template(), row: ti.template(), j):
-        return ti.Vector([f[row + d][j] for d in ti.static(range(dimensions))])
+    def get(reals: ti.template(), row: ti.template(), j):
+        return ti.Vector([reals[row + d][j] for d in ti.static(range(dimensions))])
 
     return get
 
@@ -45,40 +45,40 @@ def make_passed(model: Model):
     height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
-    def switched(f: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), x, e, mode):
+    def switched(reals: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(), x, e, mode):
         """Whether another colloid is nearer at x; nobody looks within the budget."""
         other = False
-        moved = x - get(f, rows.reference, j)
-        if moved.dot(moved) > f[rows.budget][j]:
+        moved = x - get(reals, rows.reference, j)
+        if moved.dot(moved) > reals[rows.budget][j]:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             place = vec(*[x[d] for d in ti.static(range(dimensions))])
             heading = vec(*[e[d] for d in ti.static(range(dimensions))])
-            found = search.run(medium, k, image, place, heading, f[rows.law.gamma][j])
+            found = search.run(medium, k, image, place, heading, reals[rows.law.gamma][j])
             m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i)
             partner = (mode == int(Mode.BETWEEN)) & same(m, image_m, found.near, found.image)
             other = not (same(k, image, found.near, found.image) | partner)
         return other
 
     @ti.func
-    def is_low(f: ti.template(), j, rules: ti.template(), x, e):
+    def is_low(reals: ti.template(), j, rules: ti.template(), x, e):
         """Whether the swimmer is in the contact band of the colloid of its encounter."""
-        r = x + get(f, rows.bound_offset, j)
+        r = x + get(reals, rows.bound_offset, j)
         R = to.distance(r)
-        least, _ = height_and_slope(to.sine(r, e, R), f[rows.law.gamma][j], f[rows.bound_A][j])
-        return R - f[rows.bound_A][j] - least <= ti.max(rules.contact_band, rules.tolerance)
+        least, _ = height_and_slope(to.sine(r, e, R), reals[rows.law.gamma][j], reals[rows.bound_A][j])
+        return R - reals[rows.bound_A][j] - least <= ti.max(rules.contact_band, rules.tolerance)
 
     @ti.func
-    def passed(f: ti.template(), n: ti.template(), j, rules: ti.template(), x, e, mode, low):
+    def passed(reals: ti.template(), ints: ti.template(), j, rules: ti.template(), x, e, mode, low):
         """Whether the swimmer touches, crosses the edge of the contact band, escapes, or passes a pitch."""
         R = to.distance(x)
-        least, _ = height_and_slope(to.sine(x, e, R), f[rows.law.gamma][j], f[rows.A][j])
-        sunk = R - f[rows.A][j] - least < -real(AT_WALL) * R
-        r = x + get(f, rows.bound_offset, j)
+        least, _ = height_and_slope(to.sine(x, e, R), reals[rows.law.gamma][j], reals[rows.A][j])
+        sunk = R - reals[rows.A][j] - least < -real(AT_WALL) * R
+        r = x + get(reals, rows.bound_offset, j)
         distance = to.distance(r)
-        bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
-        left = bound & (distance - f[rows.bound_A][j] > rules.escape_height)
-        pitched = (n[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > f[rows.law.escape_sine][j])
-        crossed = bound & (is_low(f, j, rules, x, e) != low)
+        bound = ints[LaneInt.PHASE][j] == int(Phase.BOUND)
+        left = bound & (distance - reals[rows.bound_A][j] > rules.escape_height)
+        pitched = (ints[LaneInt.WATCH_PITCH][j] != 0) & (to.sine(r, e, distance) > reals[rows.law.escape_sine][j])
+        crossed = bound & (is_low(reals, j, rules, x, e) != low)
         return ((mode != int(Mode.HELD)) & sunk) | crossed | left | pitched
 
     return switched, passed, is_low
@@ -86,7 +86,7 @@ def make_passed(model: Model):
 
 @cache
 def make_modes(model: Model):
-    """Return `mode_of(f, n, j, x, e, around, law)` and `level(x, around)`.
+    """Return `mode_of(reals, ints, j, x, e, around, law)` and `level(x, around)`.
 
     The first says what holds the swimmer, and how fast it approaches the wall; the second puts a swimmer between two
     colloids back to where both are equally near. For `around` see `located.make_motion`.
@@ -95,7 +95,7 @@ def make_modes(model: Model):
     height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
-    def mode_of(f: ti.template(), n: ti.template(), j, x, e, around, law):
+    def mode_of(reals: ti.template(), ints: ti.template(), j, x, e, around, law):
         R = to.distance(x)
         least, _ = height_and_slope(to.sine(x, e, R), law.gamma, around.A)
         _, _, push, pinch = rate(x, e, around, law, int(Mode.FREE))
@@ -103,7 +103,7 @@ def make_modes(model: Model):
         mode = ti.select(held, int(Mode.HELD), int(Mode.FREE))
         r = x + around.partner
         level = ti.abs(R - around.A - to.distance(r) + around.partner_A) <= real(BETWEEN)
-        between = (n[LaneInt.BETWEEN][j] != 0) & (not held) & level & (pinch > real(0.0))
+        between = (ints[LaneInt.BETWEEN][j] != 0) & (not held) & level & (pinch > real(0.0))
         return ti.select(between, int(Mode.BETWEEN), mode), push
 
     @ti.func
@@ -118,7 +118,7 @@ def make_modes(model: Model):
 
 @cache
 def make_travel(model: Model):
-    """Return `travel(f, n, j, i, swimmers, medium, rules, whole) -> position, director, held, length`.
+    """Return `travel(reals, ints, j, i, swimmers, medium, rules, whole) -> position, director, held, length`.
 
     It is the longest move up to `whole` that is accurate, and ends just behind the first event in it.
     """
@@ -140,13 +140,15 @@ def make_travel(model: Model):
         return tau * ti.select(error > real(1.0), ti.max(real(0.2), ti.min(shorter, real(0.9))), real(0.5))
 
     @ti.func
-    def travel(f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+    def travel(reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
                rules: ti.template(), whole):  # fmt: skip
-        x0, e0, law = get(f, rows.x, j), get(f, rows.e, j), law_of(f, j)
-        around = record(A=f[rows.A][j], partner=get(f, rows.partner_offset, j), partner_A=f[rows.partner_A][j])
-        mode, push0 = mode_of(f, n, j, x0, e0, around, law)
-        started_low = is_low(f, j, rules, x0, e0)
-        x, e, pushed, distance, other = x0, e0, real(0.0), real(0.0), get(f, rows.bound_offset, j)
+        x0, e0, law = get(reals, rows.x, j), get(reals, rows.e, j), law_of(reals, j)
+        around = record(
+            A=reals[rows.A][j], partner=get(reals, rows.partner_offset, j), partner_A=reals[rows.partner_A][j]
+        )
+        mode, push0 = mode_of(reals, ints, j, x0, e0, around, law)
+        started_low = is_low(reals, j, rules, x0, e0)
+        x, e, pushed, distance, other = x0, e0, real(0.0), real(0.0), get(reals, rows.bound_offset, j)
         low, high, tau = real(0.0), whole, whole
         halvings, going = -1, True  # -1: no event known
         while going:
@@ -162,10 +164,10 @@ def make_travel(model: Model):
                 going = False
             else:
                 loose = (mode != int(Mode.FREE)) & (grip < real(0.0))
-                beyond = loose | passed(f, n, j, rules, x, e, mode, started_low)
+                beyond = loose | passed(reals, ints, j, rules, x, e, mode, started_low)
                 far = False
                 if (not beyond) & ((mode != int(Mode.HELD)) | (tau > real(SWITCH) * rules.dt)):
-                    far = switched(f, j, i, swimmers, medium, x, e, mode)
+                    far = switched(reals, j, i, swimmers, medium, x, e, mode)
                 if beyond | far:
                     high = tau
                 else:
@@ -175,9 +177,9 @@ def make_travel(model: Model):
                 else:
                     halvings += 1
                     tau = ti.select(halvings == HALVINGS, high, real(0.5) * (low + high))
-        f[rows.trial_push][j] = ti.select((mode == int(Mode.HELD)) & (n[LaneInt.OWN][j] != 0), pushed, real(0.0))
-        f[rows.trial_height][j] = (distance - tau * f[rows.bound_A][j]) / rules.dt
-        n[LaneInt.LOW][j] = ti.cast(started_low, ti.i32)
+        reals[rows.trial_push][j] = ti.select((mode == int(Mode.HELD)) & (ints[LaneInt.OWN][j] != 0), pushed, real(0.0))
+        reals[rows.trial_height][j] = (distance - tau * reals[rows.bound_A][j]) / rules.dt
+        ints[LaneInt.LOW][j] = ti.cast(started_low, ti.i32)
         x = ti.select(mode == int(Mode.BETWEEN), level(x, around), x)
         return x, e, mode == int(Mode.HELD), tau
 
@@ -186,33 +188,33 @@ def make_travel(model: Model):
 
 @cache
 def make_locate(model: Model):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane that may go on."""
+    """Return `step(reals, ints, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves a lane."""
     real, rows, (get, (_, put)) = model.real, rows_of(model), (make_get(model), make_vectors(model))
     travel, commit, to = make_travel(model), make_commit(model), make_surface(model)
     height_and_slope = HardContact.make_height_and_slope(model)
 
     @ti.func
-    def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
+    def step(reals: ti.template(), ints: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), n_steps, n_pairs):  # fmt: skip
         j, i = 0, ti.cast(swimmer[0], ti.i32)
-        if (n[Int.EVENT][j] == 0) & (n[Int.STEP][j] < n_steps):
-            clock = f[rows.clock][j]
+        if (ints[Int.EVENT][j] == 0) & (ints[Int.STEP][j] < n_steps):
+            clock = reals[rows.clock][j]
             whole = rules.dt * (real(1.0) - clock)
-            x, e, held, tau = travel(f, n, j, i, swimmers, medium, rules, whole)
-            A = f[rows.A][j]
+            x, e, held, tau = travel(reals, ints, j, i, swimmers, medium, rules, whole)
+            A = reals[rows.A][j]
             R = to.distance(x)
-            least, _ = height_and_slope(to.sine(x, e, R), f[rows.law.gamma][j], A)
+            least, _ = height_and_slope(to.sine(x, e, R), reals[rows.law.gamma][j], A)
             touch = held | (R - A - least <= real(AT_WALL) * R)
             x = ti.select(touch, to.at(x, R, A + least), x)
-            put(f, rows.trial_x, j, x)
-            put(f, rows.trial_e, j, e)
-            f[rows.trial_clock][j] = ti.select(tau < whole, clock + tau / rules.dt, real(1.0))
-            n[LaneInt.TOUCH][j] = ti.cast(touch, ti.i32)
-            moved = x - get(f, rows.reference, j)
-            within = moved.dot(moved) <= f[rows.budget][j]  # false for a position that is not finite
-            n[Int.EVENT][j] |= ti.select(within, 0, int(Event.FINISH))
+            put(reals, rows.trial_x, j, x)
+            put(reals, rows.trial_e, j, e)
+            reals[rows.trial_clock][j] = ti.select(tau < whole, clock + tau / rules.dt, real(1.0))
+            ints[LaneInt.TOUCH][j] = ti.cast(touch, ti.i32)
+            moved = x - get(reals, rows.reference, j)
+            within = moved.dot(moved) <= reals[rows.budget][j]  # false for a position that is not finite
+            ints[Int.EVENT][j] |= ti.select(within, 0, int(Event.FINISH))
             if ti.static(not model.sphere):  # within its budget a rod is out of contact with every other colloid
-                least = ti.select(n[LaneInt.OWN][j] != 0, least, real(-FAR))
-            commit(f, n, within, rules, least)
+                least = ti.select(ints[LaneInt.OWN][j] != 0, least, real(-FAR))
+            commit(reals, ints, within, rules, least)
 
     return step

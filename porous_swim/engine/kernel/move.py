@@ -20,16 +20,16 @@ FAR = 1e3  # a
 
 
 @ti.func
-def now(n: ti.template(), swimmer, rules: ti.template()):
+def now(ints: ti.template(), swimmer, rules: ti.template()):
     """The counter of each lane's random numbers: its swimmer, and the step since the start of the run."""
-    low = ti.cast(n[Int.STEP], ti.u32) + rules.first_low
+    low = ti.cast(ints[Int.STEP], ti.u32) + rules.first_low
     high = ti.select(low < rules.first_low, ti.u32(1), ti.u32(0)) + rules.first_high
     return counter(swimmer, low, high, rules.key0, rules.key1)
 
 
 @cache
 def make_end(model: Model):
-    """Return `end(f, n, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
+    """Return `end(reals, ints, on, rules, least, needs)`, which books the trial moves of the lanes `on` within budget.
 
     A move beyond the budget (within which the nearest colloid cannot change) stays a trial: the scalar pass settles it,
     and those of lanes that have a 1 in `needs`. `least` is the contact height of the trial above the nearest colloid,
@@ -39,26 +39,26 @@ def make_end(model: Model):
     rows, (whole, _), commit = rows_of(model), make_wide(model), make_commit(model)
 
     @ti.func
-    def end(f: ti.template(), n: ti.template(), on, rules: ti.template(), least, needs):
-        moved = whole(f, rows.trial_x) - whole(f, rows.reference)
-        within = moved.dot(moved) <= f[rows.budget]  # false for a position that is not finite
+    def end(reals: ti.template(), ints: ti.template(), on, rules: ti.template(), least, needs):
+        moved = whole(reals, rows.trial_x) - whole(reals, rows.reference)
+        within = moved.dot(moved) <= reals[rows.budget]  # false for a position that is not finite
         if ti.static(partners):
             within = within & (needs == 0)
-        n[Int.EVENT] = n[Int.EVENT] | ti.select(on & (not within), int(Event.FINISH), 0)
+        ints[Int.EVENT] = ints[Int.EVENT] | ti.select(on & (not within), int(Event.FINISH), 0)
         if ti.static(sphere):
-            commit(f, n, on & within, rules, least)
+            commit(reals, ints, on & within, rules, least)
         else:  # within its budget a rod is out of contact with every other colloid
-            own = n[LaneInt.OWN] != 0
+            own = ints[LaneInt.OWN] != 0
             if ti.static(partners):
-                own = own | (n[LaneInt.PARTNER_OWN] != 0)
-            commit(f, n, on & within, rules, ti.select(own, least, real(-FAR)))
+                own = own | (ints[LaneInt.PARTNER_OWN] != 0)
+            commit(reals, ints, on & within, rules, ti.select(own, least, real(-FAR)))
 
     return end
 
 
 @cache
 def make_step(model: Model):
-    """Return `step(f, n, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves those that do not wait."""
+    """Return `step(reals, ints, swimmer, swimmers, medium, rules, n_steps, n_pairs)`, which moves the lanes."""
     real, partners, rows = model.real, model.partners, rows_of(model)
     (whole, put_whole), (law, _) = make_wide(model), make_law(model)
     integrate, pair, end = make_euler(model), make_pair(model), make_end(model)
@@ -76,23 +76,23 @@ def make_step(model: Model):
         return z, y - (z - x), least >= R, push, height
 
     @ti.func
-    def step(f: ti.template(), n: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
+    def step(reals: ti.template(), ints: ti.template(), swimmer, swimmers: ti.template(), medium: ti.template(),
              rules: ti.template(), n_steps, n_pairs):  # fmt: skip
-        on = (n[Int.EVENT] == 0) & (n[Int.STEP] < n_steps)
-        x, A = whole(f, rows.x), f[rows.A]
-        dx, e = integrate(x, whole(f, rows.e), A, law(f), rules.dt, now(n, swimmer, rules))
-        y = dx + whole(f, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
+        on = (ints[Int.EVENT] == 0) & (ints[Int.STEP] < n_steps)
+        x, A = whole(reals, rows.x), reals[rows.A]
+        dx, e = integrate(x, whole(reals, rows.e), A, law(reals), rules.dt, now(ints, swimmer, rules))
+        y = dx + whole(reals, rows.rest)  # compensated: a swimmer far from its colloid loses no digit of its steps
         free = rounded(x + y)
-        x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, f[rows.law.gamma])
-        f[rows.trial_push] = ti.select(n[LaneInt.OWN] != 0, push, real(0.0))
-        put_whole(f, rows.trial_x, x1)
-        put_whole(f, rows.trial_rest, rest)
-        put_whole(f, rows.trial_e, e)
-        n[LaneInt.TOUCH] = ti.cast(touch, ti.i32)
+        x1, rest, touch, push, least = keep_out(free, y - (free - x), e, A, reals[rows.law.gamma])
+        reals[rows.trial_push] = ti.select(ints[LaneInt.OWN] != 0, push, real(0.0))
+        put_whole(reals, rows.trial_x, x1)
+        put_whole(reals, rows.trial_rest, rest)
+        put_whole(reals, rows.trial_e, e)
+        ints[LaneInt.TOUCH] = ti.cast(touch, ti.i32)
         if ti.static(partners):
-            least_own, needs = pair(f, n, n_pairs, least)
-            end(f, n, on, rules, least_own, needs)
+            least_own, needs = pair(reals, ints, n_pairs, least)
+            end(reals, ints, on, rules, least_own, needs)
         else:
-            end(f, n, on, rules, least, 0)
+            end(reals, ints, on, rules, least, 0)
 
     return step

@@ -26,7 +26,7 @@ NEAR = 1e-4  # a, the last of them: what is left is its square over the distance
 
 @cache
 def make_pair(model: Model):
-    """Return `pair(f, n, n_pairs, least)`, which puts trial moves outside of the partner, too, if any lane has one.
+    """Return `pair(reals, ints, n_pairs, least)`, which puts trial moves outside of partners, too, if any lane has one.
 
     The trial obeys contact with the nearest colloid, `least` is its contact height there. It returns the contact height
     above the colloid of the encounter, where that is one of the two, else `least`; and 1 in the lanes whose trial has
@@ -52,15 +52,15 @@ def make_pair(model: Model):
         return axis * a + w * s, (change <= real(NEAR * NEAR)) & (s > real(0.0))
 
     @ti.func
-    def part(f: ti.template(), n: ti.template(), least):
-        x, e = whole(f, rows.trial_x), whole(f, rows.trial_e)
-        A, A1, gamma, d = f[rows.A], f[rows.partner_A], f[rows.law.gamma], whole(f, rows.partner_offset)
+    def part(reals: ti.template(), ints: ti.template(), least):
+        x, e = whole(reals, rows.trial_x), whole(reals, rows.trial_e)
+        A, A1, gamma, d = reals[rows.A], reals[rows.partner_A], reals[rows.law.gamma], whole(reals, rows.partner_offset)
         v1 = x + d
         R1 = to.distance(v1)
         least1, _ = height_and_slope(to.sine(v1, e, R1), gamma, A1)
         depth = A1 + least1 - R1
-        touched_body = (n[LaneInt.PAIRED] != 0) & (depth > real(0.0))
-        known = n[LaneInt.PARTNER_KNOWN] != 0
+        touched_body = (ints[LaneInt.PAIRED] != 0) & (depth > real(0.0))
+        known = ints[LaneInt.PARTNER_KNOWN] != 0
         z = x + to.along(v1, R1, depth)
         R = to.distance(z)
         above, _ = height_and_slope(to.sine(z, e, R), gamma, A)
@@ -68,27 +68,27 @@ def make_pair(model: Model):
         v, found = corner(z, e, d * real(-1.0), A, A1, gamma)
         push, push1 = wedge.pushes(v - x, v, v + d)
         push, push1 = ti.select(pinched, push, real(0.0)), ti.select(pinched, push1, depth)
-        touch_is_news = n[LaneInt.WATCH_CONTACT] != 0  # where the partner pushes the rod onto the nearest
+        touch_is_news = ints[LaneInt.WATCH_CONTACT] != 0  # where the partner pushes the rod onto the nearest
         good = touched_body & known & ((found & (not touch_is_news)) | (not pinched))
         y = pick(pinched, v, z)
-        own, mate_own = n[LaneInt.OWN] != 0, n[LaneInt.PARTNER_OWN] != 0
-        more = ti.select(own, push, ti.select(mate_own, push1, real(0.0)))
-        total = ti.max(f[rows.trial_push] + more, real(0.0))
-        f[rows.trial_push] = ti.select(good, total, f[rows.trial_push])
+        own, partner_own = ints[LaneInt.OWN] != 0, ints[LaneInt.PARTNER_OWN] != 0
+        more = ti.select(own, push, ti.select(partner_own, push1, real(0.0)))
+        total = ti.max(reals[rows.trial_push] + more, real(0.0))
+        reals[rows.trial_push] = ti.select(good, total, reals[rows.trial_push])
         on_both = good & pinched
         here = ti.select(on_both, to.distance(y) - A, ti.select(good, above, least))
         there = ti.select(on_both, to.distance(y + d) - A1, least1)
-        least_own = ti.select(mate_own, there, here)
-        put_whole(f, rows.trial_x, pick(good, y, x))
-        rest = whole(f, rows.trial_rest)
-        put_whole(f, rows.trial_rest, pick(good, rest * real(0.0), rest))
+        least_own = ti.select(partner_own, there, here)
+        put_whole(reals, rows.trial_x, pick(good, y, x))
+        rest = whole(reals, rows.trial_rest)
+        put_whole(reals, rows.trial_rest, pick(good, rest * real(0.0), rest))
         return least_own, ti.select(touched_body & (not good), 1, 0)
 
     @ti.func
-    def pair(f: ti.template(), n: ti.template(), n_pairs, least):
-        own, needs = least, n[LaneInt.PAIRED] * 0
+    def pair(reals: ti.template(), ints: ti.template(), n_pairs, least):
+        own, needs = least, ints[LaneInt.PAIRED] * 0
         if n_pairs != 0:
-            own, needs = part(f, n, least)
+            own, needs = part(reals, ints, least)
         return own, needs
 
     return pair
@@ -96,44 +96,47 @@ def make_pair(model: Model):
 
 @cache
 def make_swap(model: Model):
-    """Return `swap(f, n, n_pairs)` and `sync(n, j, i, swimmers)`.
+    """Return `swap(reals, ints, n_pairs)` and `sync(ints, j, i, swimmers)`.
 
     The first makes the partner of each lane its nearest colloid where it is nearer; the second tells memory.
     """
     rows, (whole, put_whole) = rows_of(model), make_wide(model)
 
     @ti.func
-    def exchange(f: ti.template(), n: ti.template()):
-        x, d, bound = whole(f, rows.x), whole(f, rows.partner_offset), whole(f, rows.bound_offset)
-        rest, reference = whole(f, rows.rest), whole(f, rows.reference)
-        A, A1, own, mate_own = f[rows.A], f[rows.partner_A], n[LaneInt.OWN], n[LaneInt.PARTNER_OWN]
+    def exchange(reals: ti.template(), ints: ti.template()):
+        x, d, bound = whole(reals, rows.x), whole(reals, rows.partner_offset), whole(reals, rows.bound_offset)
+        rest, reference = whole(reals, rows.rest), whole(reals, rows.reference)
+        A, A1, own, partner_own = reals[rows.A], reals[rows.partner_A], ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN]
         y = rounded(x + d)
-        known = (n[LaneInt.PAIRED] != 0) & (n[LaneInt.PARTNER_KNOWN] != 0) & (n[LaneInt.WATCH_CONTACT] == 0)
+        known = (ints[LaneInt.PAIRED] != 0) & (ints[LaneInt.PARTNER_KNOWN] != 0) & (ints[LaneInt.WATCH_CONTACT] == 0)
         nearer = ti.sqrt(y.dot(y)) - A1 < ti.sqrt(x.dot(x)) - A
-        other = known & nearer & (n[Int.EVENT] == 0)
-        put_whole(f, rows.x, pick(other, y, x))
-        put_whole(f, rows.rest, pick(other, rest + (d - (y - x)), rest))
-        put_whole(f, rows.reference, pick(other, reference + d, reference))
-        put_whole(f, rows.bound_offset, pick(other, bound - d, bound))
-        put_whole(f, rows.partner_offset, pick(other, d * -1.0, d))
-        f[rows.A], f[rows.partner_A] = ti.select(other, A1, A), ti.select(other, A, A1)
-        n[LaneInt.OWN], n[LaneInt.PARTNER_OWN] = ti.select(other, mate_own, own), ti.select(other, own, mate_own)
-        n[LaneInt.SWAPPED] = ti.select(other, 1 - n[LaneInt.SWAPPED], n[LaneInt.SWAPPED])
+        other = known & nearer & (ints[Int.EVENT] == 0)
+        put_whole(reals, rows.x, pick(other, y, x))
+        put_whole(reals, rows.rest, pick(other, rest + (d - (y - x)), rest))
+        put_whole(reals, rows.reference, pick(other, reference + d, reference))
+        put_whole(reals, rows.bound_offset, pick(other, bound - d, bound))
+        put_whole(reals, rows.partner_offset, pick(other, d * -1.0, d))
+        reals[rows.A], reals[rows.partner_A] = ti.select(other, A1, A), ti.select(other, A, A1)
+        ints[LaneInt.OWN], ints[LaneInt.PARTNER_OWN] = (
+            ti.select(other, partner_own, own),
+            ti.select(other, own, partner_own),
+        )
+        ints[LaneInt.SWAPPED] = ti.select(other, 1 - ints[LaneInt.SWAPPED], ints[LaneInt.SWAPPED])
 
     @ti.func
-    def swap(f: ti.template(), n: ti.template(), n_pairs):
+    def swap(reals: ti.template(), ints: ti.template(), n_pairs):
         if n_pairs != 0:
-            exchange(f, n)
+            exchange(reals, ints)
 
     @ti.func
-    def sync(n: ti.template(), j, i, swimmers: ti.template()):
-        if n[LaneInt.SWAPPED][j] != 0:
+    def sync(ints: ti.template(), j, i, swimmers: ti.template()):
+        if ints[LaneInt.SWAPPED][j] != 0:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             m, image_m = swimmers.int[int(Int.PARTNER), i], image_of(swimmers, int(Int.PARTNER_IMAGE), i)
             swimmers.int[int(Int.COLLOID), i], swimmers.int[int(Int.PARTNER), i] = m, k
             put_image(swimmers, int(Int.IMAGE), i, image_m)
             put_image(swimmers, int(Int.PARTNER_IMAGE), i, image)
-            n[LaneInt.TOUCHED_BODY][j], n[LaneInt.SWAPPED][j] = m, 0
-            put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, image_m)
+            ints[LaneInt.TOUCHED_BODY][j], ints[LaneInt.SWAPPED][j] = m, 0
+            put_lane_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j, image_m)
 
     return swap, sync

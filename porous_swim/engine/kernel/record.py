@@ -18,13 +18,13 @@ from porous_swim.results.encounter_columns import AtRelease, Greatest, Least, Re
 
 
 @ti.func
-def add(f: ti.template(), row: ti.template(), on, value):
+def add(reals: ti.template(), row: ti.template(), on, value):
     """Add `value` to a sum in the lanes `on`; the next row keeps what the rounding left (Kahan)."""
-    total, rest = f[row], f[row + 1]
+    total, rest = reals[row], reals[row + 1]
     y = value + rest
     t = rounded(total + y)
-    f[row] = ti.select(on, t, total)
-    f[row + 1] = ti.select(on, y - (t - total), rest)
+    reals[row] = ti.select(on, t, total)
+    reals[row + 1] = ti.select(on, y - (t - total), rest)
 
 
 def checked(values: Mapping[str, Any], *kinds: type[Record]) -> Mapping[str, Any]:
@@ -40,7 +40,7 @@ def checked(values: Mapping[str, Any], *kinds: type[Record]) -> Mapping[str, Any
 
 @cache
 def make_record(model: Model):
-    """Return `gather(f, on, values)`, `hold(f, touched, values)` and `clear(f, j)`.
+    """Return `gather(reals, on, values)`, `hold(reals, touched, values)` and `clear(reals, j)`.
 
     `gather` books a step of the lanes `on`, `hold` the last touch of the wall so far, and `clear` begins the record of
     lane j. `values` are wide values by the names of their rows.
@@ -52,22 +52,22 @@ def make_record(model: Model):
         return tuple((getattr(rows, record.row), values[record.row]) for record in kept if isinstance(record, kind))
 
     @ti.func
-    def gather(f: ti.template(), on, values: ti.template()):
+    def gather(reals: ti.template(), on, values: ti.template()):
         for row, value in ti.static(pairs(checked(values, Sum, Least, Greatest), Sum)):
-            add(f, row, on, value)
+            add(reals, row, on, value)
         for row, value in ti.static(pairs(values, Least)):
-            f[row] = ti.select(on, ti.min(value, f[row]), f[row])
+            reals[row] = ti.select(on, ti.min(value, reals[row]), reals[row])
         for row, value in ti.static(pairs(values, Greatest)):
-            f[row] = ti.select(on, ti.max(value, f[row]), f[row])
+            reals[row] = ti.select(on, ti.max(value, reals[row]), reals[row])
 
     @ti.func
-    def hold(f: ti.template(), touched, values: ti.template()):
+    def hold(reals: ti.template(), touched, values: ti.template()):
         for row, value in ti.static(pairs(checked(values, AtRelease), AtRelease)):
-            f[row] = ti.select(touched, value, f[row])
+            reals[row] = ti.select(touched, value, reals[row])
 
     @ti.func
-    def clear(f: ti.template(), j):
+    def clear(reals: ti.template(), j):
         for row, start in ti.static(starts):
-            f[row][j] = start
+            reals[row][j] = start
 
     return gather, hold, clear

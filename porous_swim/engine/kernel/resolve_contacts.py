@@ -21,7 +21,7 @@ BETWEEN = 1e-10  # a difference of distances, in a, below which two colloids are
 
 @cache
 def make_resolve_contacts(model: Model):
-    """Return `resolve_contacts(f, n, j, i, swimmers, medium, rules, band)`, which ends the trial move of a lane.
+    """Return `resolve_contacts(reals, ints, j, i, swimmers, medium, rules, band)`, which ends the trial move of a lane.
 
     It is that of lane j, of swimmer i.
 
@@ -45,42 +45,42 @@ def make_resolve_contacts(model: Model):
 
     @ti.func
     def resolve_contacts(
-        f: ti.template(), n: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
+        reals: ti.template(), ints: ti.template(), j, i, swimmers: ti.template(), medium: ti.template(),
         rules: ti.template(), band,
     ):  # fmt: skip
-        x, y, e = get(f, rows.x, j), get(f, rows.trial_x, j), get(f, rows.trial_e, j)
+        x, y, e = get(reals, rows.x, j), get(reals, rows.trial_x, j), get(reals, rows.trial_e, j)
         finite = (y.dot(y) < real(1e30)) & (e.dot(e) < real(1e30))
         if not finite:
-            n[Int.EVENT][j] = int(Event.HALT)
+            ints[Int.EVENT][j] = int(Event.HALT)
         else:
             k, image = swimmers.int[int(Int.COLLOID), i], image_of(swimmers, int(Int.IMAGE), i)
             b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
             near, bound = record(k=k, image=image), record(k=b, image=image_b)
-            y1, found, held = outside(medium, near, bound, y, x, e, f[rows.law.gamma][j], rules.tolerance)
+            y1, found, held = outside(medium, near, bound, y, x, e, reals[rows.law.gamma][j], rules.tolerance)
             z = y1.variable()
             if held.jammed != 0:
                 ti.atomic_add(swimmers.total[int(Total.JAMMED)], 1)
             if (held.last >= 0) | (held.jammed != 0):
-                put(f, rows.trial_rest, j, y * real(0.0))
+                put(reals, rows.trial_rest, j, y * real(0.0))
             if ti.static(located):
                 pair(i, swimmers, found, k, image)
             if not same(k, image, found.near, found.image):
                 shift = between(medium, found.near, found.image, k, image)
                 z += shift
-                put(f, rows.x, j, x + shift)
+                put(reals, rows.x, j, x + shift)
                 swimmers.int[int(Int.COLLOID), i] = found.near
                 put_image(swimmers, int(Int.IMAGE), i, found.image)
             pushed = False
             if ti.static(reflected):
-                pushed = n[LaneInt.TOUCH][j] != 0
+                pushed = ints[LaneInt.TOUCH][j] != 0
             wall = record(k=ti.select(pushed, k, -1), image=image)
-            strike(n, j, i, swimmers, found, rules.tolerance, held, wall)
-            push_off(f, n, j, k, image, held)
-            set_budget(f, n, j, i, swimmers, z, found, rules)
-            put(f, rows.trial_x, j, z)
-            n[LaneInt.TOUCH][j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
+            strike(ints, j, i, swimmers, found, rules.tolerance, held, wall)
+            push_off(reals, ints, j, k, image, held)
+            set_budget(reals, ints, j, i, swimmers, z, found, rules)
+            put(reals, rows.trial_x, j, z)
+            ints[LaneInt.TOUCH][j] = ti.cast((found.depth >= -band) | pushed, ti.i32)
             for axis in ti.static(range(3)):
                 if ti.abs(found.image[axis]) > MAX_IMAGE:
-                    n[Int.EVENT][j] = int(Event.HALT)
+                    ints[Int.EVENT][j] = int(Event.HALT)
 
     return resolve_contacts

@@ -18,55 +18,55 @@ def rows_of(model: Model) -> SimpleNamespace:
 
 
 @ti.func
-def get_image(n: ti.template(), row: ti.template(), j):
+def get_image(ints: ti.template(), row: ti.template(), j):
     """The periodic image in three rows of lane j."""
-    return vec(*[n[row + d][j] for d in ti.static(range(3))])
+    return vec(*[ints[row + d][j] for d in ti.static(range(3))])
 
 
 @ti.func
-def put_lane_image(n: ti.template(), row: ti.template(), j, image):
+def put_lane_image(ints: ti.template(), row: ti.template(), j, image):
     """Store a periodic image in three rows of lane j."""
     for d in ti.static(range(3)):
-        n[row + d][j] = image[d]
+        ints[row + d][j] = image[d]
 
 
 @cache
 def make_vectors(model: Model):
-    """Return `get(f, row, j)` and `put(f, row, j, v)` for the vectors of lane j."""
+    """Return `get(reals, row, j)` and `put(reals, row, j, v)` for the vectors of lane j."""
     dimensions = model.dimensions
 
     @ti.func
-    def get(f: ti.template(), row: ti.template(), j):
-        return vec(*[f[row + d][j] for d in ti.static(range(dimensions))])
+    def get(reals: ti.template(), row: ti.template(), j):
+        return vec(*[reals[row + d][j] for d in ti.static(range(dimensions))])
 
     @ti.func
-    def put(f: ti.template(), row: ti.template(), j, v):
+    def put(reals: ti.template(), row: ti.template(), j, v):
         for d in ti.static(range(dimensions)):
-            f[row + d][j] = v[d]
+            reals[row + d][j] = v[d]
 
     return get, put
 
 
 @cache
 def make_wide(model: Model):
-    """Return `whole(f, row)` and `put_whole(f, row, v)` for the vectors of all lanes at once."""
+    """Return `whole(reals, row)` and `put_whole(reals, row, v)` for the vectors of all lanes at once."""
     dimensions = model.dimensions
 
     @ti.func
-    def whole(f: ti.template(), row: ti.template()):
-        return vec(*[f[row + d] for d in ti.static(range(dimensions))])
+    def whole(reals: ti.template(), row: ti.template()):
+        return vec(*[reals[row + d] for d in ti.static(range(dimensions))])
 
     @ti.func
-    def put_whole(f: ti.template(), row: ti.template(), v):
+    def put_whole(reals: ti.template(), row: ti.template(), v):
         for d in ti.static(range(dimensions)):
-            f[row + d] = v[d]
+            reals[row + d] = v[d]
 
     return whole, put_whole
 
 
 @cache
 def make_law(model: Model):
-    """Return `law(f)` and `law_of_lane(f, j)`: the numbers of the swimmers in all lanes by name, or in one."""
+    """Return `law(reals)` and `law_of_lane(reals, j)`: the numbers of the swimmers in all lanes by name, or in one."""
     named, rows = make_named(model), vars(rows_of(model).law).values()
 
     @for_kernels

@@ -142,8 +142,8 @@ def real_rows(dimensions: int, *, located: bool, numbers: tuple[str, ...] = ()) 
     rows.n_memory = number(rows.n_shared, "entry_x entry_e", "")
     first_number = number(
         rows.n_shared,
-        "bound_offset mate_offset trial_x trial_rest trial_e",
-        "A bound_A mate_A trial_push trial_clock trial_height "
+        "bound_offset partner_offset trial_x trial_rest trial_e",
+        "A bound_A partner_A trial_push trial_clock trial_height "
         "height_excursion pitch_excursion" + ("" if located else " clock"),
     )
     rows.law = SimpleNamespace(**{name: first_number + k for k, name in enumerate(numbers)})

@@ -14,14 +14,14 @@ from porous_swim.physics.vectors import pick
 
 @cache
 def make_touch(model: Model):
-    """Return `strike(n, j, i, swimmers, found, tolerance, held, pushed)` and `push_off(f, n, j, k, image, held)`.
+    """Return `strike(ints, j, i, swimmers, found, tolerance, held, pushed)` and `push_off(reals, ints, ...)`.
 
     They name the colloid that is touched, and add up the push. `found` and `held` are those of `outside`.
     """
     real, reflected, rows = model.real, model.reflected, rows_of(model)
 
     @ti.func
-    def strike(n: ti.template(), j, i, swimmers: ti.template(), found, tolerance, held, pushed):
+    def strike(ints: ti.template(), j, i, swimmers: ti.template(), found, tolerance, held, pushed):
         """Name the colloid that a contact is with; in a wedge the one that is not that of the encounter.
 
         `pushed` is the colloid whose reflecting wall has pushed the swimmer on its way; its `k` is -1 if none.
@@ -35,27 +35,27 @@ def make_touch(model: Model):
             k, image = ti.select(pushed.k >= 0, pushed.k, k), pick(pushed.k >= 0, pushed.image, image)
         k, image = ti.select(deep, found.deep, k), pick(deep, found.deep_image, image)
         b, image_b = swimmers.int[int(Int.BOUND), i], image_of(swimmers, int(Int.BOUND_IMAGE), i)
-        bound = n[LaneInt.PHASE][j] == int(Phase.BOUND)
+        bound = ints[LaneInt.PHASE][j] == int(Phase.BOUND)
         other = bound & (before >= 0) & (not same(before, before_image, b, image_b))
         k, image = ti.select(other, before, k), pick(other, before_image, image)
         other = bound & (last >= 0) & (not same(last, last_image, b, image_b))
-        n[LaneInt.TOUCHED_BODY][j] = ti.select(other, last, k)
-        put_lane_image(n, LaneInt.TOUCHED_BODY_IMAGE, j, pick(other, last_image, image))
+        ints[LaneInt.TOUCHED_BODY][j] = ti.select(other, last, k)
+        put_lane_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j, pick(other, last_image, image))
 
     @ti.func
-    def push_off(f: ti.template(), n: ti.template(), j, k, image, held):
+    def push_off(reals: ti.template(), ints: ti.template(), j, k, image, held):
         """Add the push of the colloid of the encounter; a free swimmer's is that of the one it strikes.
 
         `k` is the nearest colloid at the start of the step, which has pushed on its way.
         """
-        push = f[rows.trial_push][j]
-        if n[LaneInt.PHASE][j] == int(Phase.BOUND):
+        push = reals[rows.trial_push][j]
+        if ints[LaneInt.PHASE][j] == int(Phase.BOUND):
             push += held.own
         else:
-            s, image_s = n[LaneInt.TOUCHED_BODY][j], get_image(n, LaneInt.TOUCHED_BODY_IMAGE, j)
+            s, image_s = ints[LaneInt.TOUCHED_BODY][j], get_image(ints, LaneInt.TOUCHED_BODY_IMAGE, j)
             push = ti.select(same(s, image_s, k, image), push, real(0.0))
             push += ti.select(same(s, image_s, held.last, held.last_image), held.push, real(0.0))
             push += ti.select(same(s, image_s, held.before, held.before_image), held.push_before, real(0.0))
-        f[rows.trial_push][j] = ti.max(push, real(0.0))
+        reals[rows.trial_push][j] = ti.max(push, real(0.0))
 
     return strike, push_off
