@@ -3,9 +3,10 @@
 # No `from __future__ import annotations`: Taichi needs live annotations in kernel modules.
 import math
 from functools import cache
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import taichi as ti
+from pydantic import Field
 
 from porous_swim.core.numbers import Given
 from porous_swim.physics.flow import Flow
@@ -17,11 +18,13 @@ from porous_swim.physics.vectors import by_lane, pick, vec
 
 
 class Swirl(Flow):
-    """A swirl about each colloid, as of one that spins: u = strength (A/R)^power along the circle about its z axis."""
+    """A swirl about each sphere, as of one that spins: u = strength (A/R)^power along the circle about its z axis."""
 
     kind: Literal["swirl"] = "swirl"
-    strength: float
-    power: float
+    strength: Annotated[float, Field(ge=-10.0, le=10.0)]
+    """Speed at the surface, at the equator."""
+    power: Annotated[float, Field(ge=1.0, le=10.0)]
+    """How fast it decays with the distance from the axis."""
     NUMBERS: ClassVar[tuple[str, ...]] = ("strength", "power")
 
     def numbers(self, given: Given) -> dict[str, float]:
@@ -35,7 +38,9 @@ class Swirl(Flow):
         @ti.func
         def drift(x, e, A, law):
             R = ti.sqrt(x[0] * x[0] + x[1] * x[1])
-            u = law.strength * by_lane(ti.pow, A / R, law.power) / R
+            u = law.strength * real(0.0)  # at a wall
+            if ti.static(model.surface == "sphere"):
+                u = law.strength * by_lane(ti.pow, A / R, law.power) / R
             velocity = x * real(0.0)
             velocity[0] = x[1] * u * real(-1.0)
             velocity[1] = x[0] * u

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -29,6 +29,7 @@ from porous_swim.testing import (
     check_statistic,
 )
 from tests.analysis.test_columns import tables
+from tests.support.motions import Swirl
 
 
 @contextmanager
@@ -212,6 +213,24 @@ def spreading(real: Any) -> Any:
 def test_a_faulty_flow_is_found(drift_of: Callable[..., Any], message: str) -> None:
     with registered(flow_of(drift_of)), pytest.raises(AssertionError, match=message):
         check_flow("faulty")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"axis": (0.0, 0.0, 1.0)}, "there is a flow without a dipole"),
+        ({"flows_alone": True}, "the velocity of turned swimmers is"),
+        ({"flows_alone": True, "axis": (0.0, 0.0, 1.0)}, None),
+    ],
+)
+def test_a_swirl_passes_as_a_flow_of_its_own_around_an_axis(options: dict[str, Any], message: str | None) -> None:
+    with registered(Swirl):
+        check = partial(check_flow, "swirl", keys={"strength": 0.3, "power": 2.0}, **options)
+        if message is None:
+            check()
+        else:
+            with pytest.raises(AssertionError, match=message):
+                check()
 
 
 def motility_of(turned: Callable[..., Any]) -> type[ps.Motility]:
