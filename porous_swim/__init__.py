@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from porous_swim.core.parts import Part
     from porous_swim.engine.probe import contact_height, drift
     from porous_swim.observers.base import Every, Frame, Observer, RunView
+    from porous_swim.observers.part import ObserverPart
     from porous_swim.obstacles.base import Layout
     from porous_swim.physics.flow import Flow
     from porous_swim.physics.motility import Motility
@@ -45,6 +46,7 @@ __all__ = [
     "Layout",
     "Motility",
     "Observer",
+    "ObserverPart",
     "Part",
     "PorousSwimError",
     "Release",
@@ -78,6 +80,7 @@ _HOME = {
     "physics.motility": ("Motility",),
     "swimmers.base": ("Release",),
     "scene.parts": ("register",),
+    "observers.part": ("ObserverPart",),
     "observers.base": ("Every", "Frame", "Observer", "RunView"),
     "reporting.write": ("report",),
     "results.results": ("Results",),

@@ -1,6 +1,6 @@
 """Which parts of each role there are: our own, those that a program registers, those of installed plug-ins.
 
-A role (`Layout`, `Release`, `Flow`, `Motility`) is a class directly below `OpenPart`. A field of a scene whose
+A role (`Layout`, `Release`, `Flow` ...) is a class directly below `OpenPart`. A field of a scene whose
 type is a role takes any part registered for it; the part's tag in the file says which.
 """
 
@@ -38,6 +38,8 @@ class OpenPart(Part):
             return handler(source)
 
         def choose(value: Any, info: ValidationInfo) -> Any:
+            if not parts_of(cls):
+                raise ValueError(f"no {cls.__name__} is registered, by a package that is installed or by a program")
             return _chooser(cls).validate_python(value, context=info.context)
 
         return core_schema.with_info_plain_validator_function(choose)
@@ -45,6 +47,8 @@ class OpenPart(Part):
     @classmethod
     def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Return the JSON Schema of a part, or of all that a role has by now."""
+        if cls.is_role() and not parts_of(cls):
+            return {"not": {}}  # nothing is one
         return handler(_chooser(cls).core_schema if cls.is_role() else schema)
 
 
@@ -53,7 +57,7 @@ Role = TypeVar("Role", bound=OpenPart)
 
 _PARTS: dict[type[OpenPart], dict[str, type[OpenPart]]] = {}  # by role and tag, ours first
 _PLUGINS: dict[type[OpenPart], Plugin] = {}
-_ROLES = "Layout, Release, Flow or Motility"
+_ROLES = "Layout, Release, Flow, Motility or ObserverPart"
 _still_to_load = {"plug-ins"}  # empty once they have been looked for
 
 

@@ -24,6 +24,17 @@ def view_of(scene: Scene, placed: ObstacleField) -> RunView:
     )  # fmt: skip
 
 
+def observers_of(scene: Scene) -> list[Observer]:
+    """New observers of those kinds that the scene names; RunError where one cannot be made."""
+    made = []
+    for part in scene.record.observers:
+        try:
+            made.append(part.make())
+        except Exception as error:
+            raise RunError(f"record.observers: {part.kind} cannot be made: {type(error).__name__}: {error}") from error
+    return made
+
+
 def introduce(observers: Sequence[Observer], scene: Scene, placed: ObstacleField) -> None:
     """Tell a user's observers of their run, before it costs anything.
 

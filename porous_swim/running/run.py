@@ -18,7 +18,7 @@ from porous_swim.results.results import Results
 from porous_swim.results.run_folder import RunFolder
 from porous_swim.running.costs import compiling_seconds
 from porous_swim.running.footprint import require_memory
-from porous_swim.running.guests import introduce
+from porous_swim.running.guests import introduce, observers_of
 from porous_swim.running.interrupts import Interrupts
 from porous_swim.running.observation import Observers
 from porous_swim.running.simulation import Simulation, Start
@@ -72,6 +72,7 @@ def run_in(
             require_memory(scene)
         with watch.timing("placing"):
             start = Start.of(scene)
+        guests = (*observers_of(scene), *guests)
         introduce(guests, scene, start.field)
         folder = make_folder()
         if folder is not None:

@@ -6,10 +6,12 @@ import filecmp
 import hashlib
 import json
 import shutil
+from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from porous_swim.core.parts import Part
 from porous_swim.core.registry import parts_in, plugin_of
 from porous_swim.physics.motility import Steady
 from porous_swim.results.manifest import RUN_NAMES
@@ -43,7 +45,11 @@ def file_hashes(scene: SceneModel) -> dict[str, str]:
 
 def plugins_of(scene: SceneModel) -> dict[str, str]:
     """Return the versions of the packages, by name, from which parts of the scene come that are not ours."""
-    found = [plugin_of(type(part)) for part in parts_in(scene)]
+    return _plugins(parts_in(scene))
+
+
+def _plugins(parts: Iterable[Part]) -> dict[str, str]:
+    found = [plugin_of(type(part)) for part in parts]
     return {plugin.package: plugin.version for plugin in found if plugin is not None}
 
 
@@ -60,7 +66,8 @@ def scene_hash(scene: SceneModel) -> str:
         del data["swimmers"]["motility"]
     for key, digits in file_hashes(scene).items():
         _section(data, key)["path"] = digits
-    if plugins := plugins_of(scene):
+    seen = set(map(id, parts_in(scene.record)))
+    if plugins := _plugins(part for part in parts_in(scene) if id(part) not in seen):
         data["plugins"] = plugins
     text = json.dumps(data, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -155,11 +155,13 @@ def _path(location: KeyPath, kind: str, data: Any) -> tuple[KeyPath, Any]:
 
 
 def _model_at(path: KeyPath, model: type[Part], data: Any) -> type[Part]:
-    node = data
+    node, members = data, [model]
     for part in path:
         node = node[part]
-        members = models_in(model.model_fields[str(part)].annotation)
-        model = _members(members, node)[0]
+        if isinstance(part, str):
+            members = models_in(model.model_fields[part].annotation)
+        if not isinstance(node, list):  # else the part is one of its entries
+            model = _members(members, node)[0]
     return model
 
 

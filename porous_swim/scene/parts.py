@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from porous_swim.core.registry import forget, parts_of, register
+from porous_swim.observers.part import ObserverPart
 from porous_swim.obstacles import layouts
 from porous_swim.obstacles.base import Layout
 from porous_swim.physics import hydrodynamics
@@ -12,5 +13,6 @@ from porous_swim.swimmers import release
 from porous_swim.swimmers.base import Release
 
 __all__ = [
-    "Flow", "Layout", "Motility", "Release", "forget", "hydrodynamics", "layouts", "parts_of", "register", "release",
+    "Flow", "Layout", "Motility", "ObserverPart", "Release", "forget", "hydrodynamics", "layouts", "parts_of",
+    "register", "release",
 ]  # fmt: skip

@@ -141,6 +141,8 @@ def _types(annotation: Any) -> str:
     names = {float: "number", int: "whole number", str: "text", bool: "true or false"}
     if annotation in names:
         return names[annotation]
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        return "map"
     if get_origin(annotation) is tuple:
         return f"list of {_types(get_args(annotation)[0])}s"
     if annotation is NoneType or get_origin(annotation) is Literal:

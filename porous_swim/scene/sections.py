@@ -8,6 +8,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from porous_swim.core.parts import LEAST_TIME, LONGEST_TIME, UNITS_UNKNOWN, KeyedError, Part, Time, Whole
+from porous_swim.observers.part import ObserverPart
 from porous_swim.physics.motility import Motility, Steady
 from porous_swim.swimmers.base import Release
 from porous_swim.swimmers.release import Uniform
@@ -99,6 +100,8 @@ class Record(Part):
     """How many swimmers are in the recording and in the trajectory: the first ones, at most all."""
     trails: Annotated[Whole, Field(ge=0, lt=2**31)] = 20
     """How many of these leave a trail, at most `swimmers`."""
+    observers: tuple[ObserverPart, ...] = ()
+    """Observers of installed packages, a map with a `kind` each; see `porous_swim.ObserverPart`."""
 
     @model_validator(mode="after")
     def _trails_are_recorded(self) -> Record:

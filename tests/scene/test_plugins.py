@@ -118,7 +118,30 @@ def test_a_motility_of_a_plugin_moves_swimmers_by_the_numbers_of_the_scene_file(
     assert np.hypot(ex, np.array(frames["ey"]).reshape(5, 4000)) == pytest.approx(1.0, abs=1e-6)
 
 
+def test_an_observer_of_a_plugin_looks_at_the_run_of_a_scene_file(installed: Path, tmp_path: Path) -> None:
+    path = tmp_path / "seen.yaml"
+    ours = TUMBLING.replace("motility: {kind: tumbling, run_time: 2 s}", "")
+    path.write_text(ours.replace("trails: 0}", "trails: 0, observers: [{kind: heading, file: seen.txt, period: 40}]}"))
+    done = run_with(installed, "-m", "porous_swim", "run", path, "--out", "out", "--quiet", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = (tmp_path / "seen.txt").read_text().splitlines()
+    assert lines == ["0 1.000000 0.000000", "2 1.000000 0.000000", "4 1.000000 0.000000"]
+    assert "{kind: heading, file: seen.txt, period: 40}" in (tmp_path / "out" / "scene.yaml").read_text()
+    results = ps.load_results(tmp_path / "out")
+    assert results.summary["provenance"]["packages"]["swim-extras"] == "1.2"
+    code = "import sys, porous_swim as ps; print(*(ps.load_scene(path).scene_id for path in sys.argv[1:]))"
+    (tmp_path / "unseen.yaml").write_text(ours)
+    said = run_with(installed, "-c", code, path, tmp_path / "unseen.yaml", cwd=tmp_path).stdout.split()
+    assert said[-1] == said[-2]
+
+
+def test_without_a_package_that_has_observers_a_scene_that_names_one_is_refused() -> None:
+    with pytest.raises(ps.SceneError, match=r"record\.observers.*: no ObserverPart is registered"):
+        ps.Scene.from_mapping({**SECTIONS, "obstacles": {"layout": "none"}, "record": {"observers": [{"kind": "x"}]}})
+
+
 LINE = "release: {kind: start_line, length: 12.0}"
+TRAILS = "trails: 0"
 MISTAKES = [
     (
         ("ring_radius", "ring_radus"),
@@ -133,6 +156,12 @@ MISTAKES = [
     (
         ("kind: attraction", "kind: attracton"),
         "hydrodynamics.kind: expected `none`, `image_dipole`,",
+    ),
+    ((TRAILS, f"{TRAILS}, observers: [{{kind: headin}}]"), "kind: expected `heading`, found 'headin'; did you mean"),
+    ((TRAILS, f"{TRAILS}, observers: [{{kind: heading}}]"), ".file: this key is required and missing (The file"),
+    (
+        (TRAILS, f"{TRAILS}, observers: [{{kind: heading, file: a, perod: 3}}]"),
+        ".perod: unknown key; did you mean `period`? allowed with kind: heading: kind, file, period",
     ),
     ((LINE, f"{LINE}, motility: {{kind: tumbling}}"), "swimmers.motility.run_time: this key is required and missing"),
     (
@@ -273,8 +302,8 @@ def test_what_is_no_part_is_not_registered(twin: type[Twin]) -> None:
         (Other, ValueError, "layout: twin is taken by test_plugins.Twin; choose another word"),
         (Nameless, TypeError, "expected the field `layout: Literal"),
         (Placeless, TypeError, "a Layout needs n_colloids and place; see porous_swim.Layout"),
-        (ps.Layout, TypeError, "expected a class derived from Layout, Release, Flow or Motility"),
-        (int, TypeError, "expected a class derived from Layout, Release, Flow or Motility"),
+        (ps.Layout, TypeError, "expected a class derived from Layout, Release, Flow, Motility or ObserverPart"),
+        (int, TypeError, "expected a class derived from Layout, Release, Flow, Motility or ObserverPart"),
     ):
         with pytest.raises(error, match=message):
             ps.register(part)
