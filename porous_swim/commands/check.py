@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from porous_swim.core.scales import Scales
-from porous_swim.observers.rerun.recording import recording_size
+from porous_swim.observers.rerun.recording_size import recording_size
 from porous_swim.obstacles.cells import build_cells
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.running.costs import Seconds, compiling_seconds, expected_seconds

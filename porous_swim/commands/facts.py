@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from porous_swim.commands.check import ready
-from porous_swim.observers.rerun.recording import recording_size
+from porous_swim.observers.rerun.recording_size import recording_size
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.running.costs import compiling_seconds, expected_seconds
 from porous_swim.running.footprint import footprint

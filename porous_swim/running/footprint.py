@@ -10,7 +10,7 @@ from porous_swim.core.machine import available_memory
 from porous_swim.engine.kernel.state import Long, n_ints, real_rows
 from porous_swim.engine.spill import AT_ONCE, PIECE
 from porous_swim.engine.windows import n_levels
-from porous_swim.observers.rerun.recording import recording_size
+from porous_swim.observers.rerun.recording_size import recording_size
 from porous_swim.physics.contact import shape_of
 from porous_swim.physics.model import has_partners
 from porous_swim.scene.scene import Scene

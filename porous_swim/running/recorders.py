@@ -10,7 +10,9 @@ import numpy as np
 from porous_swim.observers.base import Every
 from porous_swim.observers.lags import Lags
 from porous_swim.observers.progress import Clock, make_progress
-from porous_swim.observers.rerun.recording import Recording, recording_warning
+from porous_swim.observers.rerun.about import About
+from porous_swim.observers.rerun.recording import Recording
+from porous_swim.observers.rerun.recording_size import recording_warning
 from porous_swim.observers.timeseries import TimeSeries
 from porous_swim.observers.trajectory import Trajectory
 from porous_swim.results.manifest import RECORDING
@@ -71,9 +73,9 @@ def size_warning(scene: Scene) -> str | None:
 def _recording(simulation: Simulation, path: Path) -> Recording:
     scene, recorded = simulation.scene, np.arange(simulation.scene.n_recorded)
     units = scene.unit_system
-    return Recording(
-        path, Every(scene.record_period), simulation.field, name=scene.name, description=scene.description,
-        recording_id=f"{scene.scene_id}-{scene.run.seed}", time_step=scene.run.time_step, n_steps=scene.n_steps,
-        aspect_ratio=scene.swimmers.aspect_ratio, swimmers=recorded, trails=recorded[: scene.n_trails],
-        provenance=provenance_of(simulation), units=None if units is None else (units.length, units.time),
+    about = About(
+        scene.name, scene.description, f"{scene.scene_id}-{scene.run.seed}", scene.run.time_step, scene.n_steps,
+        scene.swimmers.aspect_ratio, provenance_of(simulation), None if units is None else (units.length, units.time),
     )  # fmt: skip
+    trails = recorded[: scene.n_trails]
+    return Recording(path, Every(scene.record_period), simulation.field, about, swimmers=recorded, trails=trails)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from scipy.spatial.transform import Rotation
 from porous_swim.core.errors import RunError
 from porous_swim.observers.base import Every, Frame
 from porous_swim.observers.rerun import colloids
-from porous_swim.observers.rerun.recording import LARGE_RECORDING, Recording, recording_size, recording_warning
+from porous_swim.observers.rerun.about import About
+from porous_swim.observers.rerun.recording import Recording
+from porous_swim.observers.rerun.recording_size import LARGE_RECORDING, recording_size, recording_warning
 from porous_swim.obstacles.field import ObstacleField
 from porous_swim.obstacles.wall import THICKNESS
 from tests.support.engines import plane_wall
@@ -27,20 +30,12 @@ SWIMMERS, TRAILS = np.arange(1, 25), np.array([2, 7, 11])
 N_FRAMES, PERIOD, TIME_STEP = 60, 50, 0.01
 
 
-def recording(path: Path, field: ObstacleField, **changes: object) -> Recording:
+def recording(path: Path, field: ObstacleField, **changes: Any) -> Recording:
     """A recording with everything stated."""
-    options = {
-        "name": "crystal",
-        "description": "A test.",
-        "recording_id": "test",
-        "time_step": TIME_STEP,
-        "n_steps": (N_FRAMES - 1) * PERIOD,
-        "aspect_ratio": 1.0,
-        "swimmers": SWIMMERS,
-        "trails": TRAILS,
-        "provenance": {"seed": 1, "scene_id": "3fa9"},
-    }
-    return Recording(path, Every(PERIOD), field, **{**options, **changes})
+    shown = {name: changes.pop(name, of) for name, of in (("swimmers", SWIMMERS), ("trails", TRAILS))}
+    n_steps, provenance = (N_FRAMES - 1) * PERIOD, {"seed": 1, "scene_id": "3fa9"}
+    about = dataclasses.replace(About("crystal", "A test.", "test", TIME_STEP, n_steps, 1.0, provenance), **changes)
+    return Recording(path, Every(PERIOD), field, about, **shown)
 
 
 def write(

@@ -6,7 +6,6 @@ are known, else in a and a/U.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
@@ -18,6 +17,7 @@ from porous_swim.core.errors import RunError
 from porous_swim.core.scales import Scales
 from porous_swim.core.state import Remembers, State, restore_parts, state_of
 from porous_swim.observers.base import Every, Frame, Observer
+from porous_swim.observers.rerun.about import About
 from porous_swim.observers.rerun.above import log_camera, log_scale_bar
 from porous_swim.observers.rerun.blueprint import Layout
 from porous_swim.observers.rerun.bodies import Body
@@ -34,28 +34,6 @@ from porous_swim.observers.rerun.timeline import TimeLine
 from porous_swim.observers.rerun.view import Scenery
 from porous_swim.obstacles.field import ObstacleField
 
-LARGE_RECORDING = 50e6  # bytes; beyond it a recording is slow to send and to open
-# measured, a row of one frame: position and state; of a trail: also director, segment and a second point
-_SWIMMER_BYTES, _TRAIL_BYTES = 12.9, 67.0
-_ROD_BYTES = 12.0  # more for a rod, drawn twice where it leaves a trail: how it is turned, or a second end
-
-
-def recording_size(*, n_frames: int, n_swimmers: int, n_trails: int, rods: bool = False) -> float:
-    """Expected size of a recording, in bytes."""
-    more = _ROD_BYTES if rods else 0.0
-    return n_frames * ((_SWIMMER_BYTES + more) * n_swimmers + (_TRAIL_BYTES + more) * n_trails)
-
-
-def recording_warning(*, n_frames: int, n_swimmers: int, n_trails: int, rods: bool = False) -> str | None:
-    """One sentence where a recording would be larger than `LARGE_RECORDING`, else None."""
-    size = recording_size(n_frames=n_frames, n_swimmers=n_swimmers, n_trails=n_trails, rods=rods)
-    if size <= LARGE_RECORDING:
-        return None
-    return (
-        f"the recording will take about {size / 1e6:.0f} MB ({n_swimmers:,} swimmers, {n_frames:,} frames): "
-        f"lower record.swimmers or raise record.every to stay under {LARGE_RECORDING / 1e6:.0f} MB"
-    )
-
 
 class Track(Remembers, Protocol):
     """One part of a recording; its state is asked for when nothing waits."""
@@ -71,41 +49,27 @@ class Recording(Observer):
     """Writes `path` while the run goes on, under the name with `.part` appended until `finish`.
 
     `swimmers` are the ids recorded, `trails` those of them with director, trail and lane of states; the first of
-    these is followed on a page of its own. `n_steps` is the length that the run is meant to have, `aspect_ratio`
-    that of the swimmers. `units` are the length a in um and the time a/U in s. `RunError` where the file cannot be
-    written.
+    these is followed on a page of its own. `RunError` where the file cannot be written.
     """
 
     schedule: Every
     wants_events = True
 
     def __init__(
-        self,
-        path: Path | str,
-        schedule: Every,
-        field: ObstacleField,
-        *,
-        name: str,
-        description: str,
-        recording_id: str,
-        time_step: float,
-        n_steps: int,
-        aspect_ratio: float,
-        swimmers: np.ndarray,
+        self, path: Path | str, schedule: Every, field: ObstacleField, about: About, *, swimmers: np.ndarray,
         trails: np.ndarray,
-        provenance: Mapping[str, object],
-        units: tuple[float, float] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.schedule = schedule
-        self._path, self._field, self._id, self._provenance = Path(path), field, recording_id, provenance
-        self._time_step, self._n_steps, self._aspect_ratio = time_step, n_steps, aspect_ratio
-        self._scales = None if units is None else Scales(*units)
-        self._timeline = TimeLine(time_step, None if units is None else units[1])
+        self._path, self._field, self._about = Path(path), field, about
+        self._scales = None if about.units is None else Scales(*about.units)
+        self._timeline = TimeLine(about.time_step, None if about.units is None else about.units[1])
         self._swimmers, self._trails = (
             np.asarray(swimmers, dtype=np.int64),
             np.asarray(trails, dtype=np.int64),
         )
-        self._page = SummaryPage(name, description, field, len(self._swimmers), self._timeline, self._scales)
+        self._page = SummaryPage(
+            about.name, about.description, field, len(self._swimmers), self._timeline, self._scales
+        )
         self._file: RecordingFile | None = None
         self._last: Frame | None = None
         self._start: np.ndarray | None = None  # (n_recorded, 3)
@@ -186,8 +150,8 @@ class Recording(Observer):
                 which=np.array(sorted(self._visited)[:MAX_TRANSLUCENT]),
             )
         if interrupted:
-            status = f"**Interrupted** at step {step:,} of {self._n_steps:,} (time {time})."
-            self._say(f"interrupted at step {step} of {self._n_steps}", "WARN", self._last)
+            status = f"**Interrupted** at step {step:,} of {self._about.n_steps:,} (time {time})."
+            self._say(f"interrupted at step {step} of {self._about.n_steps}", "WARN", self._last)
         else:
             status = f"Finished: {step:,} steps, to time {time}."
             self._say(f"finished at step {step}", "INFO", self._last)
@@ -223,12 +187,12 @@ class Recording(Observer):
         before = self._before
         self._start = before["start"].copy() if before else frame.position[self._swimmers]
         layout = self._layout(frame, self._possible)
-        self._file = file = RecordingFile(self._path, recording_id=self._id, timeline=self._timeline)
+        self._file = file = RecordingFile(self._path, recording_id=self._about.recording_id, timeline=self._timeline)
         file.lay_out(layout.blueprint())
-        file.describe(self._page.name, self._provenance)
+        file.describe(self._page.name, self._about.provenance)
         log_world(file, self._field, layout.space.scenery)
         self._draw_surroundings(layout.space)
-        self._tracks = self._make_tracks(file, layout.space.scenery.body(self._aspect_ratio))
+        self._tracks = self._make_tracks(file, layout.space.scenery.body(self._about.aspect_ratio))
         if before:
             self._visited = set(before["visited"].tolist())
             restore_parts(self._tracks, before)
@@ -238,9 +202,9 @@ class Recording(Observer):
         file.flush()
 
     def _make_tracks(self, file: RecordingFile, body: Body) -> dict[str, Track]:
-        n_frames = self._n_steps // self.schedule.period + 1
+        n_frames = self._about.n_steps // self.schedule.period + 1
         self._distributions = DistributionTrack(
-            file, names=self._possible, time_step=self._time_step, n_frames=n_frames, scales=self._scales
+            file, names=self._possible, time_step=self._about.time_step, n_frames=n_frames, scales=self._scales
         )
         swimmers = SwimmerTrack(
             file, swimmers=self._swimmers, trails=self._trails, followed=self._followed, box=self._field.box,
@@ -255,7 +219,7 @@ class Recording(Observer):
             self._follower = FollowedTrack(file, self._field, self._followed, self._scales)
             tracks["followed"] = self._follower
         if "hop_time" in self._possible:
-            duration = self._n_steps * self._time_step
+            duration = self._about.n_steps * self._about.time_step
             tracks["hops"] = HopTrack(file, self._field, n_frames=n_frames, duration=duration)
         return tracks
 
@@ -284,7 +248,7 @@ class Recording(Observer):
             # in open space a lone swimmer may go far
             close=self._follower.scenery() if self._follower is not None and self._field.periodic else scenery,
             timeline=self._timeline,
-            duration=max(self._n_steps * self._time_step, frame.time),
+            duration=max(self._about.n_steps * self._about.time_step, frame.time),
             periodic=self._field.periodic,
             flat=self._field.dimensions == 2 or not self._field.is_round,
             crowded=self._crowded,
