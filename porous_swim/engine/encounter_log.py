@@ -57,7 +57,7 @@ class Records:
         return self._store.state()
 
     def restore(self, state: State) -> None:
-        """Go on from the `state` of another such run: see `RowStore.restore`."""
+        """Go on from the `state` of another such run: see `Spill.restore`."""
         self._store.restore(state)
 
     def close(self) -> None:

@@ -159,7 +159,7 @@ def test_one_swimmer_in_three_stands_for_a_run_of_a_third(on_disk) -> None:
 def test_a_run_with_its_log_on_disk_leaves_what_one_in_memory_leaves(tmp_path, monkeypatch) -> None:
     scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
     kept = ps.run(scene)
-    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(Spill, piece=100, at_once=64))
+    monkeypatch.setattr("porous_swim.engine.encounter_log.Spill", partial(Spill, piece=100, at_once=64))
     monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
     monkeypatch.setattr(encounters_module, "MANY", 100)
     writes: list[int] = []
@@ -192,7 +192,7 @@ def test_a_log_that_was_cut_short_is_no_shorter_table(tmp_path) -> None:
 def test_a_disk_that_is_full_for_the_log_leaves_what_was_seen(tmp_path, monkeypatch, always: bool) -> None:
     scene = ps.load_scene("scenes/crystal.yaml").replace({"swimmers.count": 400, "run.duration": 60.0})
     kept = ps.run(scene)
-    monkeypatch.setattr("porous_swim.engine.encounter_log.RowStore", partial(Spill, piece=100, at_once=64))
+    monkeypatch.setattr("porous_swim.engine.encounter_log.Spill", partial(Spill, piece=100, at_once=64))
     monkeypatch.setattr(engine_module, "LOG_ROWS", 64)
     begun: list[int] = []
     write, written = Spill._write, Encounters.written
